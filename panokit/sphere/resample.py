@@ -1,0 +1,206 @@
+"""Resize and rotate radiance so that the energy, the sum of L dOmega, stays what it was.
+
+General-purpose resizers change a map's energy by 20 to 100 % when a sun is near a pole, and
+point samplers lose a small sun outright; a light probe treated so lights the wrong scene.
+"""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.envmap import EnvironmentMap
+from panokit.errors import UsageError
+from panokit.frames import Frame, Rotation
+from panokit.sphere.equirect import equirect_directions, equirect_pixel
+from panokit.sphere.irradiance import energy
+from panokit.sphere.sampling import rotate_pixels
+from panokit.sphere.solid_angle import row_overlap_weights, row_solid_angles
+
+
+def resize(envmap: EnvironmentMap, width_px: int) -> EnvironmentMap:
+    """The map at another size, with the same energy; see `resize_radiance`."""
+    return envmap.with_changes(radiance=resize_radiance(envmap.radiance, width_px))
+
+
+def resize_radiance(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.float32]:
+    """Radiance (H, W, C) resampled to `width_px` x `width_px // 2`, energy kept.
+
+    Smaller: each target pixel is the mean over the solid angle that it covers. Larger:
+    linear interpolation, then each source pixel's block is scaled to the energy it had.
+    """
+    height, width = radiance.shape[:2]
+    if width_px < 2 or width_px % 2:
+        raise UsageError(f"The new width must be even and at least 2, not {width_px}.")
+    if width_px == width:
+        return radiance
+    radiance = np.asarray(radiance, np.float32)
+    if width_px < width:
+        return _average_down(radiance, width_px)
+    return _interpolate_up(radiance, width_px)
+
+
+def rotate(
+    envmap: EnvironmentMap, target_from_source: Rotation, *, frame: Frame | None = None
+) -> EnvironmentMap:
+    """The map as it looks in a rotated frame, with the same energy; see `rotate_radiance`.
+
+    Args:
+        envmap: The map.
+        target_from_source: What was in direction d is in `target_from_source.apply(d)`.
+        frame: What the target frame is; unchanged if not given.
+    """
+    return envmap.with_changes(
+        radiance=rotate_radiance(envmap.radiance, target_from_source),
+        frame=envmap.frame if frame is None else frame,
+    )
+
+
+def rotate_radiance(
+    radiance: NDArray[np.float32], target_from_source: Rotation
+) -> NDArray[np.float32]:
+    """Radiance (H, W, C) as it looks in a rotated frame, energy kept per channel.
+
+    Whole-pixel yaws are an exact roll. Otherwise the few brightest pixels are moved as
+    parcels of energy, which is exact however small the source, and the smooth rest is
+    interpolated.
+    """
+    radiance = np.asarray(radiance, np.float32)
+    height, width = radiance.shape[:2]
+    shift = _whole_pixel_yaw(target_from_source, width)
+    if shift is not None:
+        return np.roll(radiance, shift, axis=1)
+    smooth, excess = _split_bright(radiance)
+    rotated = rotate_pixels(smooth, target_from_source)
+    before, after = energy(smooth), energy(rotated)
+    rotated *= np.divide(before, after, out=np.ones_like(before), where=after > 0).astype(
+        np.float32
+    )
+    _scatter(excess, target_from_source, rotated)
+    return rotated
+
+
+def _average_down(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.float32]:
+    height, width, channels = radiance.shape
+    narrow = cv2.resize(radiance, (width_px, height), interpolation=cv2.INTER_AREA)
+    weights = row_overlap_weights(height, width_px // 2).astype(np.float32)
+    flat = narrow.reshape(height, width_px * channels)
+    if height % (width_px // 2):
+        return (weights @ flat).reshape(-1, width_px, channels)
+    # With a whole number of source rows in each target row the matrix is block diagonal.
+    block = height // (width_px // 2)
+    own = np.stack([weights[t, t * block : (t + 1) * block] for t in range(len(weights))])
+    averaged = np.einsum("tb,tbc->tc", own, flat.reshape(len(weights), block, -1), optimize=True)
+    return averaged.reshape(-1, width_px, channels)
+
+
+def _interpolate_up(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.float32]:
+    height, width = radiance.shape[:2]
+    size = (width_px, width_px // 2)
+    # Two more columns on either side let the interpolation wrap; they are cut off again.
+    margin = 2
+    wrapped = np.concatenate([radiance[:, -margin:], radiance, radiance[:, :margin]], axis=1)
+    scale = width_px / width
+    column = np.arange(width_px, dtype=np.float32)[None, :].repeat(size[1], 0)
+    row = np.arange(size[1], dtype=np.float32)[:, None].repeat(width_px, 1)
+    larger = cv2.remap(
+        wrapped,
+        (column + 0.5) / scale - 0.5 + margin,
+        np.clip((row + 0.5) / scale - 0.5, 0, height - 1),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    if width_px % width:
+        before, after = energy(radiance), energy(larger)
+        factor = np.divide(before, after, out=np.ones_like(before), where=after > 0)
+        return larger * factor.astype(np.float32)
+    factor = width_px // width
+    blocks = _average_down(larger, width)
+    correction = np.divide(radiance, blocks, out=np.ones_like(blocks), where=blocks > 0)
+    return larger * correction.repeat(factor, axis=0).repeat(factor, axis=1)
+
+
+def _whole_pixel_yaw(rotation: Rotation, width: int) -> int | None:
+    heading, pitch, roll = rotation.heading_pitch_roll()
+    columns = heading / (2 * np.pi) * width
+    level = abs(pitch) < 1e-9 and abs(roll) < 1e-9
+    return round(columns) if level and abs(columns - round(columns)) < 1e-6 else None
+
+
+def _split_bright(
+    radiance: NDArray[np.float32],
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """The map with its brightest pixels cut to a common level, and what was cut off."""
+    peak = radiance.max(axis=2)
+    level = max(8 * float(np.median(peak)), float(np.percentile(peak, 98)), 1e-30)
+    factor = np.minimum(level / np.maximum(peak, level), 1.0)[..., None]
+    smooth = radiance * factor
+    return smooth, radiance - smooth
+
+
+def _scatter(
+    excess: NDArray[np.float32], target_from_source: Rotation, target: NDArray[np.float32]
+) -> None:
+    """Add the excess to `target` as parcels of energy, each pixel cut into small parts."""
+    height, width, channels = excess.shape
+    rows, columns = np.nonzero(excess.any(axis=2))
+    if not len(rows):
+        return
+    solid_angles = row_solid_angles(height, width)
+    parcels = excess[rows, columns] * solid_angles[rows, None]
+    centers = equirect_directions(width, height)[rows, columns]
+    _, target_row = equirect_pixel(target_from_source.apply(centers), width, height)
+    gathered = np.zeros((height * width, channels))
+    # Near the target's poles pixels are narrow slivers, and a source pixel covers many.
+    covered = 1 / np.sin(np.pi * (np.clip(target_row, 0, height - 1) + 0.5) / height)
+    parts = 4 * 2 ** np.ceil(np.log2(np.clip(covered, 1, 32))).astype(int)
+    for count in np.unique(parts):
+        chosen = np.flatnonzero(parts == count)
+        for some in np.array_split(chosen, max(1, len(chosen) * count**2 // (1 << 21))):
+            _deposit(
+                parcels[some], rows[some], columns[some], int(count), target_from_source,
+                (height, width), gathered,
+            )  # fmt: skip
+    target += (gathered.reshape(height, width, channels) / solid_angles[:, None, None]).astype(
+        np.float32
+    )
+
+
+def _deposit(
+    parcels: NDArray[np.float64],
+    rows: NDArray[np.intp],
+    columns: NDArray[np.intp],
+    parts: int,
+    target_from_source: Rotation,
+    shape: tuple[int, int],
+    gathered: NDArray[np.float64],
+) -> None:
+    height, width = shape
+    inside = (np.arange(parts) + 0.5) / parts
+    azimuth = ((columns[:, None] + inside) / width - 0.5) * 2 * np.pi
+    # Parts of equal solid angle: equal steps in the sine of the elevation.
+    top = np.cos(np.pi * rows / height)[:, None]
+    bottom = np.cos(np.pi * (rows + 1) / height)[:, None]
+    height_y = top + (bottom - top) * inside
+    horizontal = np.sqrt(np.maximum(1 - height_y**2, 0))
+    directions = np.stack(
+        np.broadcast_arrays(
+            horizontal[:, :, None] * np.sin(azimuth)[:, None, :],
+            height_y[:, :, None],
+            -horizontal[:, :, None] * np.cos(azimuth)[:, None, :],
+        ),
+        axis=-1,
+    )
+    column, row = equirect_pixel(target_from_source.apply(directions), width, height)
+    row = np.clip(row, 0, height - 1)
+    left, above = np.floor(column).astype(int), np.floor(row).astype(int)
+    right_share, below_share = column - left, row - above
+    for dx, share_x in ((0, 1 - right_share), (1, right_share)):
+        for dy, share_y in ((0, 1 - below_share), (1, below_share)):
+            index = np.minimum(above + dy, height - 1) * width + (left + dx) % width
+            share = share_x * share_y / parts**2
+            for channel in range(parcels.shape[1]):
+                gathered[:, channel] += np.bincount(
+                    index.ravel(),
+                    (share * parcels[:, channel, None, None]).ravel(),
+                    minlength=height * width,
+                )
