@@ -150,8 +150,7 @@ class Capture:
         if self.time is not None:
             record["time"] = self.time.astimezone(UTC).isoformat().replace("+00:00", "Z")
         record["time_precision"] = self.time_precision and str(self.time_precision)
-        kept = {k: v for k, v in record.items() if v is not None and v != "" and v != {}}
-        return kept
+        return {k: v for k, v in record.items() if v is not None and v != "" and v != {}}
 
     @classmethod
     def from_json(cls, record: Mapping[str, Any]) -> "Capture":

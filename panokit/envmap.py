@@ -1,6 +1,6 @@
 """Linear radiance over the whole sphere: what a light probe is."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -47,7 +47,7 @@ class EnvironmentMap:
     frame: Frame = Frame.LEVEL
     anchor: Anchor = Anchor.RELATIVE
     capture: Capture | None = None
-    provenance: Provenance = Provenance()
+    provenance: Provenance = field(default_factory=Provenance)
 
     def __post_init__(self) -> None:
         radiance = np.asarray(self.radiance).view()

@@ -1,6 +1,6 @@
 """A display-encoded picture of the whole sphere."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,7 @@ class Panorama:
     capture: Capture
     frame: Frame = Frame.CAMERA
     valid: NDArray[np.bool_] | None = None
-    provenance: Provenance = Provenance()
+    provenance: Provenance = field(default_factory=Provenance)
 
     def __post_init__(self) -> None:
         pixels = _read_only(self.pixels)

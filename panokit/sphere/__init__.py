@@ -1,13 +1,13 @@
 """Geometry of pictures that cover the sphere, and the light in them.
 
-    equirect     pixel <-> direction, with wrap and poles
-    solid_angle  how much of the sphere each row of pixels covers
-    sampling     read a picture at any direction
-    resample     rotate and resize radiance without losing energy
-    perspective  pinhole views out of a sphere, and where a view lies on it
-    cubemap      six faces
-    irradiance   what a surface receives; the energy ledger
-    sources      connected bright regions, across the seam and the poles
+equirect     pixel <-> direction, with wrap and poles
+solid_angle  how much of the sphere each row of pixels covers
+sampling     read a picture at any direction
+resample     rotate and resize radiance without losing energy
+perspective  pinhole views out of a sphere, and where a view lies on it
+cubemap      six faces
+irradiance   what a surface receives; the energy ledger
+sources      connected bright regions, across the seam and the poles
 """
 
 from panokit.sphere.cubemap import cubemap_directions, cubemap_faces

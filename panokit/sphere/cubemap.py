@@ -1,5 +1,7 @@
 """The sphere as six square faces, each seen from inside."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,7 +25,7 @@ def cubemap_directions(size_px: int, face: str) -> NDArray[np.float32]:
     return perspective_directions(size_px, size_px, 90.0, FACES[face])
 
 
-def cubemap_faces(picture: NDArray, size_px: int) -> dict[str, NDArray]:
+def cubemap_faces(picture: NDArray[Any], size_px: int) -> dict[str, NDArray[Any]]:
     """The six faces of an equirectangular picture, each (size_px, size_px[, C]).
 
     The faces share edges, not pixels: a face is exactly 90 degrees wide between the outer

@@ -61,9 +61,7 @@ def irradiance(
     return np.asarray(received.reshape(*normals.shape[:-1], channels))
 
 
-def irradiance_map(
-    radiance: NDArray[np.floating[Any]], width_px: int = 64
-) -> NDArray[np.float32]:
+def irradiance_map(radiance: NDArray[np.floating[Any]], width_px: int = 64) -> NDArray[np.float32]:
     """Irradiance for every normal of a `width_px` x `width_px // 2` equirectangular grid.
 
     Returns:

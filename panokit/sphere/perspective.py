@@ -1,5 +1,7 @@
 """Pinhole views: what a camera at the center of the sphere sees."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,9 +32,8 @@ def perspective_directions(
     directions = np.empty((height_px, width_px, 3))
     directions[..., 0], directions[..., 1], directions[..., 2] = x[None, :], y[:, None], -1.0
     directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
-    if sphere_from_camera is not None:
-        directions = sphere_from_camera.apply(directions)
-    return directions.astype(np.float32)
+    turned = directions if sphere_from_camera is None else sphere_from_camera.apply(directions)
+    return turned.astype(np.float32)
 
 
 def perspective_pixel(
@@ -66,13 +67,11 @@ def perspective_pixel(
 
 
 def perspective_view(
-    picture: NDArray,
+    picture: NDArray[Any],
     width_px: int,
     height_px: int,
     fov_deg: float,
     sphere_from_camera: Rotation | None = None,
-) -> NDArray:
+) -> NDArray[Any]:
     """The picture, (H, W) or (H, W, C) uint8 or float32, as a pinhole camera sees it."""
-    return sample(
-        picture, perspective_directions(width_px, height_px, fov_deg, sphere_from_camera)
-    )
+    return sample(picture, perspective_directions(width_px, height_px, fov_deg, sphere_from_camera))

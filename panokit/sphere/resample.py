@@ -4,6 +4,8 @@ General-purpose resizers change a map's energy by 20 to 100 % when a sun is near
 point samplers lose a small sun outright; a light probe treated so lights the wrong scene.
 """
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +30,7 @@ def resize_radiance(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.
     Smaller: each target pixel is the mean over the solid angle that it covers. Larger:
     linear interpolation, then each source pixel's block is scaled to the energy it had.
     """
-    height, width = radiance.shape[:2]
+    width = radiance.shape[1]
     if width_px < 2 or width_px % 2:
         raise UsageError(f"The new width must be even and at least 2, not {width_px}.")
     if width_px == width:
@@ -65,7 +67,7 @@ def rotate_radiance(
     interpolated.
     """
     radiance = np.asarray(radiance, np.float32)
-    height, width = radiance.shape[:2]
+    width = radiance.shape[1]
     shift = _whole_pixel_yaw(target_from_source, width)
     if shift is not None:
         return np.roll(radiance, shift, axis=1)
@@ -80,7 +82,7 @@ def rotate_radiance(
 
 
 def _average_down(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.float32]:
-    height, width, channels = radiance.shape
+    height, _, channels = radiance.shape
     narrow = cv2.resize(radiance, (width_px, height), interpolation=cv2.INTER_AREA)
     weights = row_overlap_weights(height, width_px // 2).astype(np.float32)
     flat = narrow.reshape(height, width_px * channels)
@@ -90,7 +92,7 @@ def _average_down(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.fl
     block = height // (width_px // 2)
     own = np.stack([weights[t, t * block : (t + 1) * block] for t in range(len(weights))])
     averaged = np.einsum("tb,tbc->tc", own, flat.reshape(len(weights), block, -1), optimize=True)
-    return averaged.reshape(-1, width_px, channels)
+    return np.asarray(averaged.reshape(-1, width_px, channels), np.float32)
 
 
 def _interpolate_up(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.float32]:
@@ -102,7 +104,7 @@ def _interpolate_up(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.
     scale = width_px / width
     column = np.arange(width_px, dtype=np.float32)[None, :].repeat(size[1], 0)
     row = np.arange(size[1], dtype=np.float32)[:, None].repeat(width_px, 1)
-    larger = cv2.remap(
+    larger: NDArray[Any] = cv2.remap(
         wrapped,
         (column + 0.5) / scale - 0.5 + margin,
         np.clip((row + 0.5) / scale - 0.5, 0, height - 1),
@@ -111,12 +113,13 @@ def _interpolate_up(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.
     )
     if width_px % width:
         before, after = energy(radiance), energy(larger)
-        factor = np.divide(before, after, out=np.ones_like(before), where=after > 0)
-        return larger * factor.astype(np.float32)
+        gain = np.divide(before, after, out=np.ones_like(before), where=after > 0)
+        return np.asarray(larger * gain, np.float32)
     factor = width_px // width
     blocks = _average_down(larger, width)
     correction = np.divide(radiance, blocks, out=np.ones_like(blocks), where=blocks > 0)
-    return larger * correction.repeat(factor, axis=0).repeat(factor, axis=1)
+    spread = correction.repeat(factor, axis=0).repeat(factor, axis=1)
+    return np.asarray(larger * spread, np.float32)
 
 
 def _whole_pixel_yaw(rotation: Rotation, width: int) -> int | None:

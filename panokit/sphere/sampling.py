@@ -1,5 +1,7 @@
 """Read an equirectangular picture at any direction, right at the seam and at the poles."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +15,7 @@ _PICTURE_TYPES = (np.dtype(np.uint8), np.dtype(np.float32))
 _STRIP_PIXELS = 1 << 21
 
 
-def pad_sphere(picture: NDArray, pad_px: int = 1) -> NDArray:
+def pad_sphere(picture: NDArray[Any], pad_px: int = 1) -> NDArray[Any]:
     """The picture with `pad_px` more pixels on each side, as the sphere continues there.
 
     Columns wrap; above the zenith the picture goes on at the opposite azimuth, so rows are
@@ -28,7 +30,9 @@ def pad_sphere(picture: NDArray, pad_px: int = 1) -> NDArray:
     return np.concatenate([tall[:, -pad_px:], tall, tall[:, :pad_px]], axis=1)
 
 
-def sample(picture: NDArray, directions: NDArray[np.floating], *, nearest: bool = False) -> NDArray:
+def sample(
+    picture: NDArray[Any], directions: NDArray[np.floating], *, nearest: bool = False
+) -> NDArray[Any]:
     """The picture's value in each direction, by linear interpolation on the sphere.
 
     Where the result shows the picture smaller than it is, resize the picture first: this
@@ -58,8 +62,8 @@ def sample(picture: NDArray, directions: NDArray[np.floating], *, nearest: bool 
 
 
 def rotate_pixels(
-    picture: NDArray, target_from_source: Rotation, *, nearest: bool = False
-) -> NDArray:
+    picture: NDArray[Any], target_from_source: Rotation, *, nearest: bool = False
+) -> NDArray[Any]:
     """The picture as it looks in a rotated frame; for display pixels and masks.
 
     For radiance use `rotate_radiance`, which keeps the energy. Works strip by strip, so a
@@ -84,8 +88,8 @@ def rotate_pixels(
 
 
 def _sample_wrapped(
-    picture: NDArray, directions: NDArray[np.floating], nearest: bool
-) -> NDArray:
+    picture: NDArray[Any], directions: NDArray[np.floating], nearest: bool
+) -> NDArray[Any]:
     # Padding a big picture for each strip would copy it each time; BORDER_WRAP needs no copy
     # and is right in x. In y only the outermost half row differs, which clamping settles.
     height, width = picture.shape[:2]

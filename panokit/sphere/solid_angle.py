@@ -26,9 +26,7 @@ def row_solid_angles(height_px: int, width_px: int | None = None) -> NDArray[np.
 def pixel_solid_angles(height_px: int, width_px: int | None = None) -> NDArray[np.float64]:
     """The solid angle of each pixel, (H, W) float64, a read-only view; it sums to 4 pi."""
     width_px = 2 * height_px if width_px is None else width_px
-    return np.broadcast_to(
-        row_solid_angles(height_px, width_px)[:, None], (height_px, width_px)
-    )
+    return np.broadcast_to(row_solid_angles(height_px, width_px)[:, None], (height_px, width_px))
 
 
 def row_overlap_weights(source_rows: int, target_rows: int) -> NDArray[np.float64]:

@@ -18,7 +18,8 @@ def label_regions(mask: NDArray[np.bool_]) -> tuple[NDArray[np.int32], int]:
     Returns:
         (H, W) int32 labels, 0 outside the mask and 1..n in it, and n.
     """
-    count, flat = cv2.connectedComponents(mask.astype(np.uint8), connectivity=8)
+    count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=8)
+    flat: NDArray[np.int32] = labels.astype(np.int32, copy=False)
     pairs = [_touching(flat[:, -1], flat[:, 0])]
     half = mask.shape[1] // 2
     for row in (flat[0], flat[-1]):
