@@ -1,0 +1,250 @@
+"""A look-alike of the Google Map Tiles API for Street View: requests in, replies out.
+
+Written from the public documentation and from replies seen in the wild: string expiry times,
+"" for places without a picture, roll in [0, 360), a tilt of 90 for a level camera, sizes that
+are not powers of two, and edge tiles padded with black.
+"""
+
+import math
+import threading
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.io.images import encode_jpeg
+from panokit.synthetic.exchange import Reply, Request, jpeg_reply, json_reply
+from panokit.synthetic.faults import Faults
+from panokit.synthetic.pictures import PictureStore, ServedPicture
+
+TILE_PX = 512
+HIGHEST_ZOOM = 5
+_MOST_LOCATIONS = 100
+_LINK_RADIUS_M = 60.0
+
+
+def highest_zoom(width_px: int) -> int:
+    """The zoom at which a panorama has its full size."""
+    return max(0, math.ceil(math.log2(width_px / TILE_PX)))
+
+
+def size_at_zoom(size_px: tuple[int, int], zoom: int) -> tuple[int, int]:
+    """Width and height of a panorama at a zoom, `ceil(full / 2^(zmax - z))`."""
+    shrink = 2 ** (highest_zoom(size_px[0]) - zoom)
+    return math.ceil(size_px[0] / shrink), math.ceil(size_px[1] / shrink)
+
+
+class GoogleTiles:
+    """The service under /v1: sessions, panoIds, metadata and tiles."""
+
+    def __init__(self, store: PictureStore, key: str) -> None:
+        self._store = store
+        self._key = key
+        self._sessions: dict[str, float] = {}
+        self._lock = threading.Lock()
+
+    def answer(self, request: Request, faults: Faults) -> Reply:
+        """The reply to any request whose path starts with /v1/."""
+        refusal = self._refuse_key(request, faults)
+        if refusal is not None:
+            return refusal
+        if request.path == "/v1/createSession":
+            return self._create_session(request, faults)
+        refusal = self._refuse_session(request)
+        if refusal is not None:
+            return refusal
+        if request.path == "/v1/streetview/panoIds":
+            return self._pano_ids(request)
+        if request.path == "/v1/streetview/metadata":
+            return self._metadata(request, faults)
+        if request.path.startswith("/v1/streetview/tiles/"):
+            return self._tile(request, faults)
+        return _error(404, "Requested entity was not found.", "NOT_FOUND")
+
+    def _refuse_key(self, request: Request, faults: Faults) -> Reply | None:
+        key = request.query.get("key")
+        if not key:
+            return _error(
+                403,
+                "Method doesn't allow unregistered callers. Please use API Key or other form "
+                "of API consumer identity to call this API.",
+                "PERMISSION_DENIED",
+            )
+        if key != self._key:
+            # A wrong key arrives as 400, not as 401 or 403.
+            message = "API key not valid. Please pass a valid API key."
+            return _error(400, message, "INVALID_ARGUMENT", "API_KEY_INVALID")
+        if faults.api_disabled:
+            message = (
+                "Map Tiles API has not been used in project 123456789012 before or it is "
+                "disabled. Enable it in the console, then retry."
+            )
+            return _error(403, message, "PERMISSION_DENIED", "SERVICE_DISABLED")
+        return None
+
+    def _create_session(self, request: Request, faults: Faults) -> Reply:
+        asked = request.json()
+        if request.method != "POST" or not isinstance(asked, dict):
+            return _invalid("Invalid JSON payload received.")
+        if asked.get("mapType") != "streetview":
+            return _invalid(f"Invalid value at 'map_type': {asked.get('mapType')!r}.")
+        expiry = time.time() + faults.session_lifetime_s
+        with self._lock:
+            token = f"lookalike-session-{len(self._sessions) + 1}"
+            self._sessions[token] = expiry
+        return json_reply(
+            {
+                "session": token,
+                "expiry": str(int(expiry)),
+                "tileWidth": TILE_PX,
+                "tileHeight": TILE_PX,
+                "imageFormat": "jpeg",
+            }
+        )
+
+    def _refuse_session(self, request: Request) -> Reply | None:
+        with self._lock:
+            expiry = self._sessions.get(request.query.get("session", ""))
+        if expiry is None:
+            return _invalid("The session token is missing or not valid.")
+        if time.time() >= expiry:
+            return _invalid("The session token has expired.")
+        return None
+
+    def _pano_ids(self, request: Request) -> Reply:
+        asked = request.json()
+        if request.method != "POST" or not isinstance(asked, dict):
+            return _invalid("Invalid JSON payload received.")
+        locations = asked.get("locations") or []
+        if not 1 <= len(locations) <= _MOST_LOCATIONS:
+            return _invalid(f"Between 1 and {_MOST_LOCATIONS} locations are allowed.")
+        radius_m = float(asked.get("radius", 50))
+        found = [
+            self._store.nearest(float(place["lat"]), float(place["lng"]), radius_m)
+            for place in locations
+        ]
+        return json_reply({"panoIds": [near.capture.id if near else "" for near in found]})
+
+    def _metadata(self, request: Request, faults: Faults) -> Reply:
+        query = request.query
+        try:
+            picture = (
+                self._store.get(query["panoId"])
+                if "panoId" in query
+                else self._store.nearest(
+                    float(query["lat"]), float(query["lng"]), float(query.get("radius", 50))
+                )
+            )
+        except (KeyError, ValueError):
+            return _invalid("Specify either a panoId or a lat and a lng.")
+        if picture is None or picture.capture.id in faults.retired:
+            return _not_found()
+        return json_reply(self._description(picture, sparse=faults.sparse_metadata))
+
+    def _description(self, picture: ServedPicture, *, sparse: bool) -> dict[str, Any]:
+        capture = picture.capture
+        latitude_deg, longitude_deg = picture.position_deg
+        known: dict[str, Any] = {
+            "panoId": capture.id,
+            "lat": latitude_deg,
+            "lng": longitude_deg,
+            "imageHeight": picture.size_px[1],
+            "imageWidth": picture.size_px[0],
+            "tileHeight": TILE_PX,
+            "tileWidth": TILE_PX,
+        }
+        if sparse:
+            return known
+        optional = {
+            "copyright": capture.license.attribution or None,
+            "date": capture.time and capture.time.strftime("%Y-%m"),
+            "imageryType": "outdoor",
+            "heading": capture.heading_deg,
+            "tilt": None if capture.pitch_deg is None else 90 + capture.pitch_deg,
+            "roll": None if capture.roll_deg is None else capture.roll_deg % 360,
+            "originalLat": latitude_deg,
+            "originalLng": longitude_deg,
+            "originalElevationAboveEgm96": capture.elevation_m,
+            "links": self._links(picture),
+        }
+        return known | {name: value for name, value in optional.items() if value is not None}
+
+    def _links(self, picture: ServedPicture) -> list[dict[str, Any]]:
+        here = np.radians(picture.position_deg)
+        links = []
+        for other in self._store:
+            if other is picture or other.distance_m(*picture.position_deg) > _LINK_RADIUS_M:
+                continue
+            north, east = np.radians(other.position_deg) - here
+            heading_deg = math.degrees(math.atan2(east * math.cos(here[0]), north)) % 360
+            links.append({"panoId": other.capture.id, "heading": round(heading_deg, 5)})
+        return links
+
+    def _tile(self, request: Request, faults: Faults) -> Reply:
+        try:
+            zoom, column, row = (int(part) for part in request.path.split("/")[4:])
+        except ValueError:
+            return _invalid("A tile is named by three whole numbers, z/x/y.")
+        if not 0 <= zoom <= HIGHEST_ZOOM:
+            return _invalid(f"Zoom must be between 0 and {HIGHEST_ZOOM}.")
+        picture = self._store.get(request.query.get("panoId", ""))
+        if picture is None or picture.capture.id in faults.retired:
+            return _not_found()
+        if (zoom, column, row) in faults.missing_tiles:
+            return _not_found()
+        pixels = self._tile_pixels(picture, zoom, column, row)
+        if pixels is None and faults.out_of_range == "not-found":
+            return _not_found()
+        if pixels is None:
+            pixels = np.zeros((0, 0, 3), np.uint8)
+        if faults.edge_tiles == "padded" or not pixels.size:
+            pixels = _padded(pixels)
+        step = TILE_PX // faults.tile_body_px
+        return jpeg_reply(encode_jpeg(np.ascontiguousarray(pixels[::step, ::step]), quality=90))
+
+    def _tile_pixels(
+        self, picture: ServedPicture, zoom: int, column: int, row: int
+    ) -> NDArray[np.uint8] | None:
+        """The part of a tile that lies in the picture, or None where nothing does."""
+        if zoom > highest_zoom(picture.size_px[0]):
+            return None
+        width_px, height_px = size_at_zoom(picture.size_px, zoom)
+        left, top = column * TILE_PX, row * TILE_PX
+        if not (0 <= left < width_px and 0 <= top < height_px):
+            return None
+        box = (left, top, min(left + TILE_PX, width_px), min(top + TILE_PX, height_px))
+        return self._store.piece(picture, (width_px, height_px), box)
+
+
+def _padded(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    tile = np.zeros((TILE_PX, TILE_PX, 3), np.uint8)
+    tile[: pixels.shape[0], : pixels.shape[1]] = pixels
+    return tile
+
+
+def _invalid(message: str) -> Reply:
+    return _error(400, message, "INVALID_ARGUMENT")
+
+
+def _not_found() -> Reply:
+    return _error(404, "Requested entity was not found.", "NOT_FOUND")
+
+
+def _error(code: int, message: str, status: str, reason: str = "") -> Reply:
+    error: dict[str, Any] = {"code": code, "message": message, "status": status}
+    if reason:
+        error["details"] = [
+            {
+                "@type": "type.googleapis.com/google.rpc.ErrorInfo",
+                "reason": reason,
+                "domain": "googleapis.com",
+                "metadata": {"service": "tile.googleapis.com"},
+            },
+            {
+                "@type": "type.googleapis.com/google.rpc.LocalizedMessage",
+                "locale": "en-US",
+                "message": message,
+            },
+        ]
+    return json_reply({"error": error}, code)

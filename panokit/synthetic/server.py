@@ -1,0 +1,180 @@
+"""A local server that looks like street-imagery services, over real HTTP.
+
+    with StreetServer(pictures) as server:
+        requests.get(f"{server.url}/api/search?bbox=...")     # a Panoramax instance
+        requests.post(f"{server.url}/v1/createSession?key=panokit", json=...)   # Google Map Tiles
+
+It listens on 127.0.0.1 only. A second port plays the object storage that full Panoramax
+pictures redirect to; credentials that arrive there are recorded as violations.
+"""
+
+import logging
+import threading
+from collections.abc import Sequence
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from types import TracebackType
+from typing import Any
+from urllib.parse import parse_qsl, unquote, urlsplit
+
+from panokit.errors import UsageError
+from panokit.synthetic.exchange import Port, Reply, Request, json_reply
+from panokit.synthetic.faults import Faults, TroubleSchedule, spoil
+from panokit.synthetic.google_tiles import GoogleTiles
+from panokit.synthetic.panoramax import Panoramax
+from panokit.synthetic.pictures import PictureStore, ServedPicture
+
+DEFAULT_KEY = "panokit"
+_log = logging.getLogger(__name__)
+
+
+class StreetServer:
+    """Serves pictures as Google Map Tiles (under /v1) and as Panoramax (under /api).
+
+    Args:
+        pictures: What to serve.
+        faults: What to do wrong.
+        key: The only Google API key that is accepted.
+        port: To listen on; 0 takes a free one.
+
+    Attributes:
+        url: The root of the API host, without a final slash.
+        storage_url: The root of the storage host.
+    """
+
+    def __init__(
+        self,
+        pictures: Sequence[ServedPicture],
+        *,
+        faults: Faults | None = None,
+        key: str = DEFAULT_KEY,
+        port: int = 0,
+    ) -> None:
+        self._faults = faults or Faults()
+        self._troubles = TroubleSchedule(self._faults.troubles)
+        self._requests: list[Request] = []
+        self._violations: list[str] = []
+        self._lock = threading.Lock()
+        self._listeners = [_listen("api", self._answer, port), _listen("storage", self._answer, 0)]
+        self.url, self.storage_url = (
+            f"http://127.0.0.1:{listener.server_address[1]}" for listener in self._listeners
+        )
+        store = PictureStore(pictures)
+        self._google = GoogleTiles(store, key)
+        self._panoramax = Panoramax(store, self.url, self.storage_url)
+
+    def __enter__(self) -> "StreetServer":
+        for listener in self._listeners:
+            threading.Thread(
+                target=listener.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True
+            ).start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for listener in self._listeners:
+            listener.shutdown()
+            listener.server_close()
+
+    @property
+    def requests(self) -> list[Request]:
+        """Every request so far, in the order of arrival."""
+        with self._lock:
+            return list(self._requests)
+
+    @property
+    def violations(self) -> list[str]:
+        """What clients did that they must not do, one line each."""
+        with self._lock:
+            return list(self._violations)
+
+    def set_faults(self, faults: Faults) -> None:
+        """Do these things wrong from now on."""
+        with self._lock:
+            self._faults = faults
+            self._troubles = TroubleSchedule(faults.troubles)
+
+    def _answer(self, request: Request) -> Reply:
+        with self._lock:
+            self._requests.append(request)
+            if request.port == "storage" and "authorization" in request.headers:
+                self._violations.append(f"Authorization was sent to the storage: {request.path}")
+            faults, troubles = self._faults, self._troubles
+        trouble = troubles.next_for(request)
+        reply = self._route(request, faults)
+        return reply if trouble is None else spoil(reply, trouble)
+
+    def _route(self, request: Request, faults: Faults) -> Reply:
+        if request.port == "storage":
+            return self._panoramax.answer_storage(request, faults)
+        if request.path.startswith("/v1/"):
+            return self._google.answer(request, faults)
+        if request.path.startswith("/api"):
+            return self._panoramax.answer(request, faults)
+        return json_reply({"message": "Nothing is served here.", "status_code": 404}, 404)
+
+
+def _listen(port_name: Port, answer: Any, port: int) -> ThreadingHTTPServer:
+    class Handler(_Handler):
+        pass
+
+    Handler.port_name, Handler.answer = port_name, staticmethod(answer)
+    try:
+        return ThreadingHTTPServer(("127.0.0.1", port), Handler)
+    except OSError as error:
+        raise UsageError(
+            f"Port {port} of 127.0.0.1 cannot be opened ({error}). Choose another one, "
+            "or 0 for any that is free."
+        ) from error
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """Turns sockets into `Request` and `Reply`, and nothing else."""
+
+    protocol_version = "HTTP/1.1"
+    # Headers and body go out as two writes; with Nagle's algorithm each reply waits 40 ms.
+    disable_nagle_algorithm = True
+    timeout = 60
+    port_name: Port
+    answer: Any
+
+    def do_GET(self) -> None:
+        self._respond()
+
+    def do_POST(self) -> None:
+        self._respond()
+
+    def _respond(self) -> None:
+        parts = urlsplit(self.path)
+        length = int(self.headers.get("Content-Length") or 0)
+        request = Request(
+            port=self.port_name,
+            method=self.command,
+            path=unquote(parts.path),
+            query=dict(parse_qsl(parts.query)),
+            headers={name.lower(): value for name, value in self.headers.items()},
+            body=self.rfile.read(length),
+        )
+        self._send(self.answer(request))
+
+    def _send(self, reply: Reply) -> None:
+        self.send_response(reply.status)
+        self.send_header("Content-Type", reply.content_type)
+        self.send_header("Content-Length", str(len(reply.body)))
+        for name, value in reply.headers.items():
+            self.send_header(name, value)
+        if reply.truncate:
+            self.send_header("Connection", "close")
+            self.close_connection = True
+        self.end_headers()
+        body = reply.body[: len(reply.body) // 2] if reply.truncate else reply.body
+        try:
+            self.wfile.write(body)
+        except (BrokenPipeError, ConnectionResetError):
+            self.close_connection = True
+
+    def log_message(self, format: str, *args: Any) -> None:
+        _log.debug(format, *args)
