@@ -1,0 +1,82 @@
+"""What QA judges: maps on disk, with the pictures that earlier stages made on the way."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from panokit.capture import Capture
+from panokit.errors import UsageError
+from panokit.io import HDR_SUFFIXES
+
+_LDR_SUFFIX = ".jpg"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QaItem:
+    """One map to judge.
+
+    Attributes:
+        name: What the report calls it; a reference of this name is its truth.
+        map_path: The .exr or .hdr file.
+        panorama_path: The panorama as stitched, for the report; None if there is none.
+        filled_path: The panorama with its holes filled, for the report; None if there is none.
+        truth_path: The map it should be; None to look for one of the same name.
+        capture: Where it is from; None to take what the map's own record says.
+    """
+
+    name: str
+    map_path: Path
+    panorama_path: Path | None = None
+    filled_path: Path | None = None
+    truth_path: Path | None = None
+    capture: Capture | None = None
+
+
+def find_items(paths: Iterable[Path]) -> list[QaItem]:
+    """The maps that these paths name: a run folder, a folder of maps, or a map.
+
+    A picture NAME.jpg beside a map NAME.exr is taken for the panorama it was made from.
+
+    Raises:
+        UsageError: If a path does not exist or holds no maps.
+    """
+    return [item for path in paths for item in _items_at(Path(path))]
+
+
+def find_maps(folder: Path) -> dict[str, Path]:
+    """Name -> file of every map in a folder, by name; .exr goes before .hdr."""
+    files = sorted(p for p in folder.iterdir() if p.suffix.lower() in HDR_SUFFIXES)
+    found: dict[str, Path] = {}
+    for file in files:
+        found.setdefault(file.stem, file)
+    return found
+
+
+def _items_at(path: Path) -> list[QaItem]:
+    if not path.exists():
+        raise UsageError(f"There is no {path}. Give a run folder, a folder of maps, or a map.")
+    if path.is_file():
+        return [_item(path, path.parent, path.parent)]
+    probes = path / "probes"
+    if probes.is_dir() and (path / "run.json").exists():
+        maps, panoramas, filled = probes, path / "panoramas", path / "filled"
+    else:
+        maps, panoramas, filled = path, path, path / "filled"
+    found = find_maps(maps)
+    if not found:
+        raise UsageError(
+            f"There are no .exr or .hdr maps in {maps}. Make some with `panokit expand`."
+        )
+    return [_item(file, panoramas, filled) for file in found.values()]
+
+
+def _item(map_path: Path, panoramas: Path, filled: Path) -> QaItem:
+    name = map_path.stem
+    stitched = panoramas / f"{name}{_LDR_SUFFIX}"
+    mended = filled / f"{name}{_LDR_SUFFIX}"
+    return QaItem(
+        name=name,
+        map_path=map_path,
+        panorama_path=stitched if stitched.exists() else None,
+        filled_path=mended if mended.exists() and mended != stitched else None,
+    )
