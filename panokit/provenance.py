@@ -6,8 +6,8 @@ settings and weights write the same provenance, byte for byte.
 
 import hashlib
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from panokit.errors import RecordError
@@ -65,6 +65,11 @@ class Provenance:
     def then(self, step: Step) -> "Provenance":
         """This chain with one more step at its end."""
         return Provenance((*self.steps, step))
+
+    def with_inputs(self, input_digests: Sequence[str]) -> "Provenance":
+        """This chain with the inputs of its last step filled in, by whoever read the files."""
+        *earlier, last = self.steps
+        return Provenance((*earlier, replace(last, input_digests=tuple(input_digests))))
 
     def last(self, stage: str) -> Step | None:
         """The latest step of a stage, or None."""

@@ -1,0 +1,158 @@
+"""One item through one stage: read, call the stage's function, write with its record.
+
+This is the only place that knows both the files of a run and the functions of the stages.
+A task is a small picklable value, so any engine can carry it anywhere.
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from panokit.engine import Outcome, attempt
+from panokit.errors import ImageError, UsageError
+from panokit.expand import expand
+from panokit.expand.settings import VERSION as EXPAND_VERSION
+from panokit.expand.settings import ExpandSettings, is_baseline
+from panokit.inpaint import inpaint
+from panokit.inpaint.settings import VERSION as INPAINT_VERSION
+from panokit.inpaint.settings import InpaintSettings
+from panokit.io.captures import RECORD, read_capture
+from panokit.io.files import read_bytes, read_json, sha256_of_file
+from panokit.io.pictures import (
+    read_panorama,
+    record_path,
+    write_environment_map,
+    write_panorama,
+)
+from panokit.provenance import digest_of
+from panokit.records import Receipt, stage_key
+from panokit.settings import Settings
+from panokit.stitch import stitch
+from panokit.stitch.settings import VERSION as STITCH_VERSION
+from panokit.stitch.settings import StitchSettings
+from panokit.weights import find_model
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StageTask:
+    """One item to take through one stage.
+
+    Attributes:
+        stage: "stitch", "inpaint" or "expand".
+        item: The item's id.
+        source: The capture's folder, or the picture.
+        target: The picture to write.
+        settings: The stage's settings.
+        mask: A picture of what to fill, for inpaint, or None.
+    """
+
+    stage: str
+    item: str
+    source: Path
+    target: Path
+    settings: Settings
+    mask: Path | None = None
+
+    def inputs(self) -> list[str]:
+        """The digests of what the task reads."""
+        digests = [_source_digest(self.source)]
+        return digests if self.mask is None else [*digests, sha256_of_file(self.mask)]
+
+    def key(self) -> str:
+        """The key of the result."""
+        version, weights = _VERSIONS[self.stage], ""
+        if isinstance(self.settings, ExpandSettings) and not is_baseline(self.settings.model):
+            weights = find_model(self.settings.model).digest
+        return stage_key(self.stage, version, self.settings.digest, self.inputs(), weights)
+
+
+def run_task(task: StageTask) -> Outcome:
+    """Take one item through one stage; a bad item becomes a `Rejection`."""
+    return attempt(task.item, task.stage, lambda: _run(task))
+
+
+def _run(task: StageTask) -> Receipt:
+    started = time.monotonic()
+    key = task.key()
+    values = _WORK[task.stage](task, key)
+    return Receipt(
+        item=task.item,
+        stage=task.stage,
+        path=task.target,
+        key=key,
+        seconds=time.monotonic() - started,
+        values=values,
+    )
+
+
+def _stitch(task: StageTask, key: str) -> Mapping[str, Any]:
+    settings = _of(StitchSettings, task)
+    panorama = stitch(read_capture(task.source), settings)
+    provenance = panorama.provenance.with_inputs(task.inputs())
+    write_panorama(panorama.with_changes(provenance=provenance), task.target, key=key)
+    return provenance.steps[-1].values
+
+
+def _inpaint(task: StageTask, key: str) -> Mapping[str, Any]:
+    settings = _of(InpaintSettings, task)
+    panorama = read_panorama(task.source)
+    mask = None if task.mask is None else _read_mask(task.mask, panorama.pixels.shape[:2])
+    filled = inpaint(panorama, settings, mask)
+    provenance = filled.provenance.with_inputs(task.inputs())
+    write_panorama(filled.with_changes(provenance=provenance), task.target, key=key)
+    return provenance.steps[-1].values
+
+
+def _expand(task: StageTask, key: str) -> Mapping[str, Any]:
+    settings = _of(ExpandSettings, task)
+    envmap = expand(read_panorama(task.source), settings)
+    provenance = envmap.provenance.with_inputs(task.inputs())
+    write_environment_map(envmap.with_changes(provenance=provenance), task.target, key=key)
+    return provenance.steps[-1].values
+
+
+_WORK: dict[str, Callable[[StageTask, str], Mapping[str, Any]]] = {
+    "stitch": _stitch,
+    "inpaint": _inpaint,
+    "expand": _expand,
+}
+_VERSIONS = {"stitch": STITCH_VERSION, "inpaint": INPAINT_VERSION, "expand": EXPAND_VERSION}
+
+
+def _of(kind: type[Any], task: StageTask) -> Any:
+    if not isinstance(task.settings, kind):
+        raise UsageError(f"{task.stage} takes {kind.__name__}, not {type(task.settings).__name__}.")
+    return task.settings
+
+
+def _source_digest(source: Path) -> str:
+    """Of a capture or a picture with a record, what the record says; else of the bytes."""
+    if source.is_dir():
+        record = read_json(source / RECORD)
+        return digest_of([record.get("capture"), record.get("grid"), record.get("files")])
+    record_file = record_path(source)
+    if record_file.exists():
+        record = read_json(record_file)
+        if isinstance(record, dict) and source.name in record.get("files", {}):
+            return digest_of([record["files"], record.get("provenance")])
+    return sha256_of_file(source)
+
+
+def _read_mask(path: Path, shape: tuple[int, ...]) -> Any:
+    mask = cv2.imdecode(np.frombuffer(read_bytes(path), np.uint8), cv2.IMREAD_GRAYSCALE)
+    if mask is None:
+        raise ImageError(f"The mask {path} is not an image.", reason="not-an-image")
+    if mask.shape != shape:
+        raise ImageError(
+            f"The mask {path} is {mask.shape[1]}x{mask.shape[0]}, the panorama "
+            f"{shape[1]}x{shape[0]}. Make them the same size.",
+            reason="wrong-mask",
+        )
+    return mask > 127
+
+
