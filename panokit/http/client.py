@@ -1,0 +1,184 @@
+"""The HTTP client: sends requests until they succeed or it is clear that they will not.
+
+It retries by class of failure, waits where servers ask for it (for all its threads at once),
+counts what it spends, and keeps credentials out of messages, logs and other origins.
+"""
+
+import json
+import logging
+import random
+import threading
+from collections.abc import Mapping
+from dataclasses import replace
+from datetime import UTC, datetime
+from urllib.parse import urlsplit
+
+from panokit.errors import ItemError, UsageError
+from panokit.http.budget import Budget
+from panokit.http.failures import Failure, FailureKind, error_of_failure, failure_of_reply
+from panokit.http.limiter import RateLimiter
+from panokit.http.messages import Reply, Request, public_url
+from panokit.http.policy import Policy
+from panokit.http.redact import RedactingFilter, Redactor
+from panokit.http.transport import Transport
+
+USER_AGENT = "panokit (+https://pypi.org/project/panokit/)"
+
+_log = logging.getLogger("panokit.http")
+_URLLIB3_LOG = "urllib3.connectionpool"
+_LOOPBACK = {"127.0.0.1", "localhost", "::1"}
+
+
+class Client:
+    """Sends requests; any number of threads may share one.
+
+    Args:
+        policy: Patience and politeness.
+        budget: What may be spent; None counts without a limit.
+        user_agent: How servers know us.
+    """
+
+    def __init__(
+        self,
+        policy: Policy | None = None,
+        *,
+        budget: Budget | None = None,
+        user_agent: str = USER_AGENT,
+    ) -> None:
+        self.policy = policy or Policy()
+        self.budget = budget or Budget()
+        self._redactor = Redactor()
+        self._limiter = RateLimiter(self.policy.rate_per_s, self.policy.burst)
+        self._transport = Transport(self.policy, self._redactor, user_agent)
+        self._random = random.Random(self.policy.seed)
+        self._lock = threading.Lock()
+        self._log_filter = RedactingFilter(self._redactor)
+        logging.getLogger(_URLLIB3_LOG).addFilter(self._log_filter)
+
+    def __enter__(self) -> "Client":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def stop(self) -> None:
+        """Let waiting threads fail at once and no further request start."""
+        self._limiter.stop()
+
+    def close(self) -> None:
+        """Stop, and close every connection."""
+        self.stop()
+        self._transport.close()
+        logging.getLogger(_URLLIB3_LOG).removeFilter(self._log_filter)
+
+    def redact(self, text: str) -> str:
+        """The text without the credentials that this client has sent."""
+        return self._redactor.redact(text)
+
+    def send(self, request: Request) -> Reply:
+        """The good answer to a request, after as many attempts as it takes.
+
+        Raises:
+            ItemError: The server does not have it (reason "not-found", ...), or its body
+                never passed the request's check.
+            AuthError: The key is missing or refused.
+            QuotaError: The server's quota or our budget is used up.
+            NetworkError: No good answer after all attempts.
+            UsageError: The address cannot be asked.
+        """
+        host = self._admit(request)
+        attempt = 1
+        while True:
+            self._limiter.wait(host)
+            self.budget.spend(request.cost_usd)
+            outcome = self._attempt(request)
+            if isinstance(outcome, Reply):
+                return outcome
+            if not self._may_retry(outcome, attempt):
+                break
+            self._hold(host, outcome, attempt)
+            attempt += 1
+        # Raised here, outside of any `except`: the error of `requests` would carry the URL along.
+        raise error_of_failure(outcome, public_url(request.url), attempt)
+
+    def _admit(self, request: Request) -> str:
+        """Note the request's credentials and give its host.
+
+        Raises:
+            UsageError: If the address is none, or credentials would travel unencrypted.
+        """
+        for secret in request.secrets.values():
+            self._redactor.remember(secret)
+        parts = urlsplit(request.url)
+        if parts.scheme not in ("http", "https") or not parts.hostname:
+            raise UsageError(
+                f"{public_url(request.url)!r} is not a web address. Write it like "
+                "https://example.org."
+            )
+        if request.secrets and parts.scheme != "https" and parts.hostname not in _LOOPBACK:
+            raise UsageError(
+                f"A key would travel unencrypted to {parts.hostname}. Use an https:// address."
+            )
+        return parts.netloc
+
+    def _attempt(self, request: Request) -> Reply | Failure:
+        """One exchange and the judgment of its reply."""
+        outcome = self._transport.exchange(request)
+        if isinstance(outcome, Reply):
+            failure = failure_of_reply(
+                outcome.status, outcome.headers, outcome.body, datetime.now(UTC)
+            ) or _body_failure(request, outcome.headers, outcome.body)
+            if failure is None:
+                return outcome
+            outcome = failure
+        outcome = replace(outcome, message=self.redact(outcome.message))
+        _log.info("%s: %s", public_url(request.url), outcome.message)
+        return outcome
+
+    def _may_retry(self, failure: Failure, attempt: int) -> bool:
+        is_patient = (failure.delay_s or 0) <= self.policy.max_delay_s
+        return failure.is_worth_retrying and is_patient and attempt < self.policy.attempts
+
+    def _hold(self, host: str, failure: Failure, attempt: int) -> None:
+        """Wait before the next attempt; a quota or a demanded delay holds every thread."""
+        if failure.delay_s is not None:
+            self._limiter.pause(host, failure.delay_s)
+            return
+        # A per-minute quota wants more patience than a hiccup.
+        is_quota = failure.kind is FailureKind.QUOTA
+        first_s = self.policy.first_delay_s * (4 if is_quota else 1)
+        with self._lock:
+            jitter = self._random.uniform(0.75, 1.25)
+        delay_s = min(first_s * 2.0 ** (attempt - 1) * jitter, self.policy.max_delay_s)
+        if is_quota:
+            self._limiter.pause(host, delay_s)
+        else:
+            self._limiter.sleep(delay_s)
+
+
+def _body_failure(request: Request, headers: Mapping[str, str], body: bytes) -> Failure | None:
+    """What is wrong with the body of a reply whose status is good."""
+    content_type = headers.get("Content-Type", "").partition(";")[0].strip().lower()
+    if request.expect == "json":
+        try:
+            json.loads(body)
+        except ValueError:
+            return _wrong_body(f"the answer is {content_type or 'of no type'}, not JSON")
+    elif content_type.startswith("text/") or content_type.endswith("json") or not body:
+        return _wrong_body(f"the answer is {content_type if body else 'empty'}, not a picture")
+    if request.check is None:
+        return None
+    try:
+        request.check(body)
+    except ItemError as verdict:
+        return Failure(
+            kind=FailureKind.TRANSIENT,
+            message=str(verdict),
+            reason=verdict.reason,
+            verdict=verdict,
+        )
+    return None
+
+
+def _wrong_body(message: str) -> Failure:
+    return Failure(kind=FailureKind.TRANSIENT, message=message, reason="wrong-body")
