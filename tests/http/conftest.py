@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
-
 from panokit.http import Policy
 
 
@@ -62,7 +61,8 @@ class ScriptedServer:
                 self.wfile.write(answer.body)
                 self.close_connection = answer.promise is not None
 
-            do_POST = do_GET
+            def do_POST(self) -> None:
+                self.do_GET()
 
             def log_message(self, *_: object) -> None:
                 """Quiet."""

@@ -5,10 +5,9 @@ from datetime import UTC, datetime, timedelta
 from email.utils import format_datetime
 
 import pytest
-from tests.http.conftest import Answer
-
 from panokit.errors import AuthError, ItemError, NetworkError, QuotaError, UsageError
 from panokit.http import Budget, Client, Policy, Request
+from tests.http.conftest import Answer
 
 GOOD = Answer(body=b'{"ok": true}')
 GOOGLE_429 = (
@@ -158,7 +157,7 @@ def test_a_slow_server_is_a_passing_trouble(new_server):
 
 
 def test_what_is_no_address_is_a_usage_error(quick):
-    with Client(quick) as client, pytest.raises(UsageError, match="https://example.org"):
+    with Client(quick) as client, pytest.raises(UsageError, match="not a web address"):
         client.send(Request(url="example.org/api"))
 
 

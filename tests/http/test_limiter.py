@@ -4,7 +4,6 @@ import threading
 import time
 
 import pytest
-
 from panokit.errors import NetworkError
 from panokit.http.limiter import RateLimiter
 

@@ -4,11 +4,10 @@ import logging
 import traceback
 
 import pytest
-from tests.http.conftest import Answer
-
 from panokit.errors import PanokitError, UsageError
 from panokit.http import Client, Request
 from panokit.http.redact import Redactor
+from tests.http.conftest import Answer
 
 KEY = "AIza-s3cret+key/with=signs"
 
@@ -41,9 +40,9 @@ def test_a_key_is_in_no_error_and_no_log(server, quick, answer, caplog):
 
 
 def test_a_key_is_in_no_error_when_nobody_answers(quick, caplog):
-    with caplog.at_level(logging.DEBUG), Client(quick) as client:
-        with pytest.raises(PanokitError) as caught:
-            client.send(Request(url="http://127.0.0.1:9/x", secrets={"key": KEY}))
+    caplog.set_level(logging.DEBUG)
+    with Client(quick) as client, pytest.raises(PanokitError) as caught:
+        client.send(Request(url="http://127.0.0.1:9/x", secrets={"key": KEY}))
     assert "AIza" not in "".join(traceback.format_exception(caught.value)) + caplog.text
     assert caught.value.__context__ is None
 
