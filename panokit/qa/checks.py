@@ -79,14 +79,14 @@ RULES: tuple[Rule, ...] = (
     Rule(
         name="wrap-seam",
         measure=seam_step,
-        unit="x",
+        unit="×",
         meaning="Left and right edge meet: the step there is like those between other columns.",
         high=lambda settings: settings.seam_max,
     ),
     Rule(
         name="poles",
         measure=pole_step,
-        unit="x",
+        unit="×",
         meaning="Zenith and nadir are smooth: no pinwheel from a picture painted flat.",
         high=lambda settings: settings.pole_max,
     ),

@@ -1,0 +1,220 @@
+"""QA of many maps: each read once, judged alone, then against references."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from panokit.capture import Capture
+from panokit.envmap import EnvironmentMap
+from panokit.errors import ItemError, Rejection, UsageError
+from panokit.io import read_environment_map
+from panokit.provenance import Provenance
+from panokit.qa.checks import check
+from panokit.qa.compare import Comparison, compare
+from panokit.qa.distribution import Standing, scale_free_figures, standings
+from panokit.qa.items import QaItem, find_maps
+from panokit.qa.settings import VERSION, QaSettings
+from panokit.qa.verdicts import Report, Verdict
+
+SCHEMA = "panokit.qa/1"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JudgedMap:
+    """What QA found out about one map.
+
+    Attributes:
+        item: The map and its pictures.
+        report: Its checks, or None if it could not be read.
+        rejection: Why it could not be read, or None.
+        comparison: With its own truth, or None where there is none.
+        standings: Among reference maps of other places; empty where there are too few.
+        capture: Where it is from, as the item or the map's record says.
+        provenance: The steps that made it.
+    """
+
+    item: QaItem
+    report: Report | None = None
+    rejection: Rejection | None = None
+    comparison: Comparison | None = None
+    standings: tuple[Standing, ...] = ()
+    capture: Capture | None = None
+    provenance: Provenance = Provenance()
+
+    @property
+    def verdict(self) -> Verdict:
+        """FAIL where the map cannot be read or a check fails."""
+        return self.report.verdict if self.report else Verdict.FAIL
+
+    def to_json(self) -> dict[str, Any]:
+        """A dictionary for `json.dump`, free of paths, so that it is the same on any machine."""
+        return {
+            "name": self.item.name,
+            "file": self.item.map_path.name,
+            "verdict": str(self.verdict),
+            "report": self.report and self.report.to_json(),
+            "rejection": self.rejection and self.rejection.to_json(),
+            "comparison": self.comparison and self.comparison.to_json(),
+            "standings": [standing.to_json() for standing in self.standings],
+            "license": self.capture.license.id if self.capture else None,
+            "attribution": self.capture.license.attribution if self.capture else None,
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QaResult:
+    """What QA found out about all maps.
+
+    Attributes:
+        maps: In the order they were given.
+        settings: The limits they were held against.
+        reference_names: The maps that make the distribution; empty where there is none.
+        skipped_references: Reference files that could not be read, and why.
+    """
+
+    maps: tuple[JudgedMap, ...]
+    settings: QaSettings = field(default_factory=QaSettings)
+    reference_names: tuple[str, ...] = ()
+    skipped_references: tuple[Rejection, ...] = ()
+
+    @property
+    def passed(self) -> tuple[JudgedMap, ...]:
+        """The maps that pass every check."""
+        return tuple(judged for judged in self.maps if judged.verdict is Verdict.PASS)
+
+    @property
+    def failed(self) -> tuple[JudgedMap, ...]:
+        """The maps that were read and fail a check."""
+        return tuple(j for j in self.maps if j.report and j.verdict is Verdict.FAIL)
+
+    @property
+    def unreadable(self) -> tuple[JudgedMap, ...]:
+        """The maps that could not be read."""
+        return tuple(judged for judged in self.maps if judged.rejection)
+
+    def to_json(self) -> dict[str, Any]:
+        """A dictionary for `json.dump`: the same for the same maps, settings and references."""
+        return {
+            "schema": SCHEMA,
+            "version": VERSION,
+            "settings": self.settings.model_dump(mode="json"),
+            "counts": {
+                "maps": len(self.maps),
+                "passed": len(self.passed),
+                "failed": len(self.failed),
+                "unreadable": len(self.unreadable),
+            },
+            "references": list(self.reference_names),
+            "skipped_references": [skipped.to_json() for skipped in self.skipped_references],
+            "maps": [judged.to_json() for judged in self.maps],
+        }
+
+
+def qa(
+    maps: Sequence[QaItem],
+    settings: QaSettings | None = None,
+    *,
+    reference: Path | None = None,
+    on_judged: Callable[[JudgedMap], None] | None = None,
+) -> QaResult:
+    """Judge maps by themselves and against references.
+
+    A map that cannot be read is a rejection in the result, not an exception.
+
+    Args:
+        maps: What to judge.
+        settings: The limits.
+        reference: A folder of maps. One with the name of a judged map is its truth; the
+            others, if they are enough, make the distribution that each map is placed in.
+        on_judged: Called after each map, for progress.
+
+    Raises:
+        UsageError: If there is nothing to judge, or the folder holds no maps.
+    """
+    if not maps:
+        raise UsageError("There is nothing to judge. Give at least one map.")
+    settings = settings or QaSettings()
+    truths, others = _sort_references(maps, reference)
+    population, skipped = _measure_references(others)
+    if len(population) < settings.reference_count_min:
+        population = {}
+    judged_maps = []
+    for item in maps:
+        truth = item.truth_path or truths.get(item.name)
+        judged = judge_item(item, settings, truth=truth, population=population.values())
+        judged_maps.append(judged)
+        if on_judged:
+            on_judged(judged)
+    return QaResult(
+        maps=tuple(judged_maps),
+        settings=settings,
+        reference_names=tuple(population),
+        skipped_references=skipped,
+    )
+
+
+def judge_item(
+    item: QaItem,
+    settings: QaSettings,
+    *,
+    truth: Path | None = None,
+    population: Iterable[Mapping[str, float | None]] = (),
+) -> JudgedMap:
+    """Judge one map; see `qa`.
+
+    Args:
+        item: The map.
+        settings: The limits.
+        truth: The map it should be.
+        population: `scale_free_figures` of each reference map of another place.
+    """
+    try:
+        envmap = read_environment_map(item.map_path)
+    except ItemError as error:
+        rejection = Rejection.from_error(item.name, "qa", error)
+        return JudgedMap(item=item, rejection=rejection, capture=item.capture)
+    return JudgedMap(
+        item=item,
+        report=check(envmap, settings),
+        comparison=_compare_with(envmap, truth, settings) if truth else None,
+        standings=standings(scale_free_figures(envmap), population),
+        capture=item.capture or envmap.capture,
+        provenance=envmap.provenance,
+    )
+
+
+def _compare_with(envmap: EnvironmentMap, truth: Path, settings: QaSettings) -> Comparison:
+    try:
+        reference = read_environment_map(truth)
+    except ItemError as error:
+        return Comparison(reference=truth.name, obstacle=str(error))
+    return compare(envmap, reference, settings, path=truth)
+
+
+def _sort_references(
+    maps: Sequence[QaItem], reference: Path | None
+) -> tuple[dict[str, Path], dict[str, Path]]:
+    """The reference files that are a judged map's truth, and all others."""
+    if reference is None:
+        return {}, {}
+    if not reference.is_dir():
+        raise UsageError(f"There is no folder {reference} of reference maps.")
+    found = find_maps(reference)
+    if not found:
+        raise UsageError(f"There are no .exr or .hdr maps in {reference} to compare with.")
+    judged = {item.name for item in maps}
+    truths = {name: path for name, path in found.items() if name in judged}
+    return truths, {name: path for name, path in found.items() if name not in judged}
+
+
+def _measure_references(
+    files: Mapping[str, Path],
+) -> tuple[dict[str, dict[str, float | None]], tuple[Rejection, ...]]:
+    measured, skipped = {}, []
+    for name, path in files.items():
+        try:
+            measured[name] = scale_free_figures(read_environment_map(path))
+        except ItemError as error:
+            skipped.append(Rejection.from_error(name, "qa", error))
+    return measured, tuple(skipped)
