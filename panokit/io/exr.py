@@ -44,7 +44,7 @@ def read_exr(path: Path) -> tuple[NDArray[np.float32], dict[str, str]]:
         )
     try:
         with OpenEXR.File(str(path), separate_channels=True) as file:
-            header = file.header()
+            header = dict(file.header())  # emptied when the file is closed
             channels = {name: np.array(channel.pixels) for name, channel in file.channels().items()}
     except Exception as error:  # the package raises bare RuntimeError and ValueError
         raise ImageError(

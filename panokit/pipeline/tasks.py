@@ -154,5 +154,3 @@ def _read_mask(path: Path, shape: tuple[int, ...]) -> Any:
             reason="wrong-mask",
         )
     return mask > 127
-
-

@@ -91,15 +91,32 @@ def _sample_wrapped(
     picture: NDArray[Any], directions: NDArray[np.floating], nearest: bool
 ) -> NDArray[Any]:
     # Padding a big picture for each strip would copy it each time; BORDER_WRAP needs no copy
-    # and is right in x. In y only the outermost half row differs, which clamping settles.
+    # and is right in x.
     height, width = picture.shape[:2]
     column, row = equirect_pixel(directions, width, height)
-    np.clip(row, 0, height - 1, out=row)
-    method = cv2.INTER_NEAREST if nearest else cv2.INTER_LINEAR
+    inside = np.clip(row, 0, height - 1)
+    sampled = _remap(picture, column, inside, nearest)
+    beyond = np.nonzero(row != inside)
+    if nearest or not len(beyond[0]):
+        return sampled
+    # Within half a row of a pole the next pixel lies across it, at the opposite azimuth.
+    share = np.abs(row - inside)[beyond][:, None]
+    across = _remap(picture, column[beyond][:, None] + width / 2, inside[beyond][:, None], False)
+    near = sampled[beyond].reshape(len(share), -1)
+    mixed = (1 - share) * near + share * across.reshape(near.shape)
+    if sampled.dtype == np.uint8:
+        mixed = np.rint(mixed)
+    sampled[beyond] = mixed.astype(sampled.dtype).reshape(sampled[beyond].shape)
+    return sampled
+
+
+def _remap(
+    picture: NDArray[Any], column: NDArray[np.floating], row: NDArray[np.floating], nearest: bool
+) -> NDArray[Any]:
     return cv2.remap(
         np.asarray(picture),
         np.asarray(column, np.float32),
         np.asarray(row, np.float32),
-        method,
+        cv2.INTER_NEAREST if nearest else cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_WRAP,
     )

@@ -1,0 +1,56 @@
+# Two commands do all the set-up on a fresh machine: `make demo` and `make test`.
+
+PYTHON ?= python3
+export PIP_DISABLE_PIP_VERSION_CHECK = 1
+# Nothing else stops a dependency from pulling another torch, with gigabytes of CUDA.
+export PIP_CONSTRAINT = $(CURDIR)/constraints.txt
+
+DEMO = .demo-venv
+VENV = .venv
+TESTS ?= tests
+BIN = $(VENV)/bin
+
+.PHONY: help demo test check test-slow bench docs clean
+
+help:
+	@echo "make demo       light probes from the embedded city, with a report (core packages only)"
+	@echo "make test       the test suite, in an environment of its own"
+	@echo "make check      style, types and layers"
+	@echo "make test-slow  tests that take minutes"
+	@echo "make bench      benchmarks"
+	@echo "make docs       the documentation, in docs/_build"
+
+demo: $(DEMO)/.installed
+	$(DEMO)/bin/panokit demo --out demo
+
+test: $(VENV)/.installed
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m "not slow and not browser" $(TESTS)
+
+check: $(VENV)/.installed
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+test-slow: $(VENV)/.installed
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m "slow" $(TESTS)
+
+bench: $(VENV)/.installed
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks -m "" --benchmark-enable
+
+docs: $(VENV)/.installed
+	$(BIN)/pip install --quiet -e ".[docs]"
+	$(BIN)/python -m sphinx -W -b html docs docs/_build/html
+
+$(DEMO)/.installed: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(DEMO)
+	$(DEMO)/bin/pip install --quiet -e .
+	touch $@
+
+$(VENV)/.installed: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet -e ".[train,render,dev]"
+	touch $@
+
+clean:
+	rm -rf $(DEMO) $(VENV) demo docs/_build .pytest_cache .mypy_cache .ruff_cache

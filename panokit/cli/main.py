@@ -1,0 +1,104 @@
+"""The table of commands, and what becomes of errors.
+
+Commands are named by text and loaded when called, so `panokit --help` loads nothing else.
+"""
+
+import os
+import sys
+from collections.abc import Sequence
+
+from cyclopts import App, CycloptsError, Parameter
+
+from panokit import __version__
+from panokit.errors import PanokitError
+
+_COMMANDS = {
+    "demo": ("demo:demo", "Make light probes from the embedded city and open the door to the rest"),
+    "run": ("run:run", "Run a pipeline: a city list in, light probes and a report out"),
+    "fetch": ("fetch:fetch", "Fetch street panoramas of cities"),
+    "stitch": ("stages:stitch", "Tiles to level panoramas"),
+    "inpaint": ("stages:inpaint", "Fill what the camera did not see"),
+    "expand": ("stages:expand", "Panoramas to HDR environment maps"),
+    "qa": ("qa:qa", "Check maps, compare them with references, write a report"),
+    "doctor": ("doctor:doctor", "What works on this machine, and how to mend what does not"),
+    "train": ("train:train", "Train a network from a recipe"),
+}
+_GROUPS = {
+    "synthetic": (
+        "A procedural city with true HDR, and a local server of street pictures",
+        {
+            "city": ("synthetic:city", "Render panoramas with their true light"),
+            "serve": ("synthetic:serve", "Serve pictures as the street-imagery services do"),
+        },
+    ),
+    "probes": (
+        "The library of light probes",
+        {
+            "add": ("probes:add", "Put maps into a library"),
+            "list": ("probes:list_probes", "List a library"),
+            "show": ("probes:show", "All that is known of one probe"),
+            "verify": ("probes:verify", "Read and hash every probe again"),
+            "reindex": ("probes:reindex", "Build the index from the records"),
+        },
+    ),
+    "models": (
+        "The released networks",
+        {
+            "list": ("models:list_models", "List the released models"),
+            "show": ("models:show", "A model's card"),
+            "verify": ("models:verify", "Check the models' files against their digests"),
+        },
+    ),
+}
+_INTERRUPTED = 130
+_BROKEN_PIPE = 141
+
+
+def build_app() -> App:
+    """The command-line application."""
+    app = App(
+        name="panokit",
+        help="HDR light probes from street panoramas.",
+        version=__version__,
+        default_parameter=Parameter(negative_iterable=()),
+    )
+    for name, (place, text) in _COMMANDS.items():
+        app.command(f"panokit.cli.{place}", name=name, help=text)
+    for name, (text, commands) in _GROUPS.items():
+        group = App(name=name, help=text)
+        for inner, (place, inner_text) in commands.items():
+            group.command(f"panokit.cli.{place}", name=inner, help=inner_text)
+        app.command(group)
+    return app
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command and return its exit code; errors become one line on standard error."""
+    tokens = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        code = build_app()(
+            tokens, exit_on_error=False, print_error=False, result_action="return_value"
+        )
+    except CycloptsError as error:
+        return _fail(_one_line(str(error)), 2)
+    except PanokitError as error:
+        return _fail(_one_line(str(error)), error.exit_code)
+    except KeyboardInterrupt:
+        return _fail("Interrupted; what was done is kept. Run the same command to go on.",
+                     _INTERRUPTED)  # fmt: skip
+    except BrokenPipeError:
+        # The reader of our output went away (`panokit probes list | head`): not an error.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _BROKEN_PIPE
+    return code if isinstance(code, int) else 0
+
+
+def _fail(message: str, code: int) -> int:
+    sys.stderr.write(f"panokit: {message}\n")
+    return code
+
+
+def _one_line(message: str) -> str:
+    lines = [line.strip() for line in message.splitlines() if line.strip()]
+    kept = [line for line in lines if not line.startswith("For further information")]
+    return " ".join(kept)

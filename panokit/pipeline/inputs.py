@@ -1,0 +1,139 @@
+"""What a stage's command works on: a run folder, folders of pictures, or pictures."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from panokit.errors import StorageError, UsageError
+from panokit.io.captures import RECORD
+from panokit.io.images import LDR_SUFFIXES
+from panokit.io.pictures import HDR_SUFFIXES
+from panokit.pipeline.tasks import StageTask
+from panokit.records import RunFolder, require_folder
+from panokit.settings import Settings
+
+# Where a stage finds its pictures in a run; the first folder that has any.
+_SOURCES = {"inpaint": ("panoramas",), "expand": ("filled", "panoramas")}
+_TARGETS = {"stitch": ("panoramas", ".jpg"), "inpaint": ("filled", ".jpg"),
+            "expand": ("probes", ".exr")}  # fmt: skip
+
+
+def stage_tasks(
+    stage: str,
+    paths: Sequence[Path],
+    settings: Settings,
+    out: Path | None = None,
+    mask: Path | None = None,
+) -> list[StageTask]:
+    """The tasks of a stage's command.
+
+    Args:
+        stage: "stitch", "inpaint" or "expand".
+        paths: One run folder; or capture folders for stitch; or pictures and folders of them.
+        settings: The stage's settings.
+        out: Where results go; needed unless `paths` is a run.
+        mask: What to fill, for inpaint.
+
+    Raises:
+        UsageError: If there is nothing to work on, or nowhere to put the results.
+    """
+    if len(paths) == 1 and RunFolder(paths[0]).is_run:
+        return run_tasks(stage, RunFolder(paths[0]), settings, mask)
+    if out is None:
+        raise UsageError("Say where the results go with --out DIR.")
+    sources = capture_folders(paths) if stage == "stitch" else pictures(paths, LDR_SUFFIXES)
+    suffix = _TARGETS[stage][1]
+    tasks = [
+        StageTask(
+            stage=stage,
+            item=source.name if source.is_dir() else source.stem,
+            source=source,
+            target=out / f"{source.name if source.is_dir() else source.stem}{suffix}",
+            settings=settings,
+            mask=mask,
+        )
+        for source in sources
+    ]
+    _check_targets(tasks)
+    return tasks
+
+
+def run_tasks(
+    stage: str, run: RunFolder, settings: Settings, mask: Path | None = None
+) -> list[StageTask]:
+    """The tasks of a stage over everything that a run has for it."""
+    if stage == "stitch":
+        sources = capture_folders([run.captures]) if run.captures.is_dir() else []
+    else:
+        folders = [run.root / name for name in _SOURCES[stage]]
+        found = [pictures([f], LDR_SUFFIXES) for f in folders if f.is_dir()]
+        sources = next((some for some in found if some), [])
+    folder, suffix = _TARGETS[stage]
+    return [
+        StageTask(
+            stage=stage,
+            item=item,
+            source=source,
+            target=run.root / folder / f"{item}{suffix}",
+            settings=settings,
+            mask=mask,
+        )
+        for source in sources
+        for item in [source.name if source.is_dir() else source.stem]
+    ]
+
+
+def map_paths(paths: Sequence[Path]) -> list[Path]:
+    """The HDR maps that a command was given: of a run, in folders, or named."""
+    if len(paths) == 1 and RunFolder(paths[0]).is_run:
+        probes = RunFolder(paths[0]).probes
+        return pictures([probes], HDR_SUFFIXES) if probes.is_dir() else []
+    return pictures(paths, HDR_SUFFIXES)
+
+
+def pictures(paths: Sequence[Path], suffixes: Sequence[str]) -> list[Path]:
+    """The pictures with these suffixes: those named, and those in the folders named.
+
+    Named files are taken whatever they are called; what is not a picture is rejected when it
+    is read, so that the others go on.
+
+    Raises:
+        StorageError: If a path does not exist or a folder cannot be read.
+    """
+    found: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            found += sorted(
+                file
+                for file in require_folder(path).iterdir()
+                if file.suffix.lower() in suffixes and not file.name.endswith(".mask.png")
+            )
+        elif path.exists():
+            found.append(path)
+        else:
+            raise StorageError(f"There is no {path}. Check the path.")
+    return found
+
+
+def capture_folders(paths: Sequence[Path]) -> list[Path]:
+    """The folders that hold a complete capture, among these and directly in them."""
+    found = []
+    for path in paths:
+        if (path / RECORD).is_file():
+            found.append(path)
+        else:
+            children = sorted(require_folder(path).iterdir())
+            found += [child for child in children if (child / RECORD).is_file()]
+    return found
+
+
+def _check_targets(tasks: Sequence[StageTask]) -> None:
+    targets: dict[Path, Path] = {}
+    for task in tasks:
+        if task.target.resolve() == task.source.resolve():
+            raise UsageError(f"{task.source} would overwrite itself; choose another --out.")
+        other = targets.setdefault(task.target, task.source)
+        if other != task.source:
+            raise UsageError(
+                f"{other} and {task.source} would both become {task.target.name}. "
+                "Rename one of them.",
+            )

@@ -1,0 +1,36 @@
+import json
+
+from panokit.console import Console, size_text
+
+
+def test_plain_lines_when_not_on_a_terminal(capsys):
+    console = Console()
+    with console.stage("stitch", 3) as tick:
+        tick()
+        tick(rejected=True)
+        tick()
+    console.result("done")
+    output = capsys.readouterr()
+    assert output.err.startswith("stitch: 3 of 3, 1 rejected")
+    assert output.out == "done\n"
+
+
+def test_json_is_all_that_machines_get(capsys):
+    console = Console(as_json=True)
+    with console.stage("stitch", 1) as tick:
+        tick()
+    console.note("a remark")
+    console.result("a line")
+    console.value({"n": 1})
+    output = capsys.readouterr()
+    assert json.loads(output.out) == {"n": 1}
+    assert output.err == ""
+
+
+def test_tables_align(capsys):
+    Console().table(("name", "n"), [("long-name", "1"), ("x", "22")])
+    assert capsys.readouterr().out == "name       n\nlong-name  1\nx          22\n"
+
+
+def test_sizes_for_people():
+    assert [size_text(n) for n in (12, 3.2e6, 5e12)] == ["12 B", "3.2 MB", "5.0 TB"]
