@@ -50,7 +50,7 @@ def test_a_damaged_record_is_named(damage):
 
 def test_time_needs_a_zone_and_a_precision():
     with pytest.raises(UsageError, match="timezone"):
-        local_capture("a", time=datetime(2020, 1, 1), time_precision=TimePrecision.DAY)  # noqa: DTZ001
+        local_capture("a", time=datetime(2020, 1, 1), time_precision=TimePrecision.DAY)
     with pytest.raises(UsageError, match="go together"):
         local_capture("a", time=datetime(2020, 1, 1, tzinfo=UTC))
 
