@@ -1,0 +1,181 @@
+"""Fill one hole: choose what suits it, make it fit its rim, blend it in."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.inpaint.face import Face, face_around, paste
+from panokit.inpaint.membrane import membrane
+from panokit.inpaint.texture import texture
+from panokit.sphere import equirect_directions, row_solid_angles
+
+# Up to this radius a hole is a speck, and the lines around it can be drawn through it.
+_SPECK = np.deg2rad(1.0)
+# Beyond it no flat view shows a hole and its surroundings.
+_LARGEST = np.deg2rad(50.0)
+# Mean size of the second difference, in gray levels, up to which surroundings are smooth.
+_SMOOTH_SKY = 1.2
+# How far the filling may be shifted, in gray levels, to meet the picture at its rim.
+_MOST_CORRECTION = 40.0
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A connected hole on the sphere.
+
+    Attributes:
+        center: (3,), a direction in its middle.
+        radius: The angle from there to its farthest pixel, in radians.
+        rows: The rows of the panorama that it and its rim reach.
+    """
+
+    center: NDArray[np.float64]
+    radius: float
+    rows: slice
+
+
+def region_of(mask: NDArray[np.bool_], rim: float) -> Region:
+    """Where a hole is and how large; `rim` is the width of its rim in radians."""
+    height, width = mask.shape
+    used = np.flatnonzero(mask.any(axis=1))
+    band = slice(int(used[0]), int(used[-1]) + 1)
+    inside = mask[band]
+    directions = equirect_directions(width, height, band)[inside].astype(np.float64)
+    share = np.broadcast_to(row_solid_angles(height, width)[band, None], inside.shape)[inside]
+    mean = share @ directions
+    length = float(np.linalg.norm(mean))
+    center = mean / length if length > 1e-9 else directions[0]
+    # Half a pixel more, so that the corners of the outermost pixels are in it.
+    radius = float(np.arccos(np.clip((directions @ center).min(), -1, 1))) + np.pi / width
+    reach = int(np.ceil((rim * 1.5) / np.pi * height)) + 2
+    rows = slice(max(0, band.start - reach), min(height, band.stop + reach))
+    return Region(center, radius, rows)
+
+
+def fill_region(
+    picture: NDArray[np.uint8],
+    hole: NDArray[np.bool_],
+    unknown: NDArray[np.bool_],
+    rim: float,
+    method: str,
+) -> dict[str, Any]:
+    """Fill one connected hole of the panorama, in place.
+
+    Args:
+        picture: (H, W, 3) uint8, writable.
+        hole: (H, W) bool, the hole.
+        unknown: (H, W) bool, every pixel that may not be copied from, this hole included.
+        rim: Width of the band around the hole in which the filling fades out, in radians.
+        method: "texture" or "smooth".
+
+    Returns:
+        The record: method, where, and how large.
+    """
+    region = region_of(hole, rim)
+    face = face_around(region.center, region.radius + rim, picture.shape[1])
+    if region.radius > _LARGEST:
+        picture[hole] = _whole_sphere(picture, unknown)[hole]
+        return _record(region, "membrane")
+    view = face.view(picture)
+    in_hole = face.view(hole.astype(np.uint8) * np.uint8(255)) > 0
+    known = face.view(unknown.astype(np.uint8) * np.uint8(255)) == 0
+    rim_px = max(rim * face.px_per_radian, 1.0)
+    away_px = cv2.distanceTransform((~in_hole).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    filling, used = _filling(view, known, away_px, rim_px, region, method)
+    opacity = _fade(1 - away_px / rim_px)
+    paste(picture, face, filling, opacity, hole, region.rows)
+    return _record(region, used)
+
+
+def _filling(
+    view: NDArray[np.uint8],
+    known: NDArray[np.bool_],
+    away_px: NDArray[np.float32],
+    rim_px: float,
+    region: Region,
+    method: str,
+) -> tuple[NDArray[np.float32], str]:
+    if region.radius <= _SPECK:
+        drawn = cv2.inpaint(view, (~known).astype(np.uint8), 3, cv2.INPAINT_TELEA)
+        return drawn.astype(np.float32), "telea"
+    # The filling goes on under the rim, so that there is something to fade into.
+    fixed = known & (away_px >= rim_px)
+    if method == "texture" and _detail(view, known, away_px, region) > _SMOOTH_SKY:
+        copied = texture(view, fixed)
+        if copied is not None:
+            return _corrected(copied, view, known, fixed, rim_px), "texture"
+    return membrane(view.astype(np.float32), fixed), "membrane"
+
+
+def _corrected(
+    filling: NDArray[np.float32],
+    view: NDArray[np.uint8],
+    known: NDArray[np.bool_],
+    fixed: NDArray[np.bool_],
+    rim_px: float,
+) -> NDArray[np.float32]:
+    """The filling, shifted smoothly so that under the rim it is as bright as the picture.
+
+    A membrane through the differences under the rim, as in Poisson blending (Perez et al.
+    2003, "Poisson Image Editing", equation 11), on differences blurred to the rim's width so
+    that it carries the light and not the grain.
+    """
+    under_rim = known & ~fixed
+    if not under_rim.any():
+        return filling
+    weight = under_rim.astype(np.float32)
+    difference = (view.astype(np.float32) - filling) * weight[..., None]
+    sigma = max(rim_px, 2.0)
+    blurred_weight = cv2.GaussianBlur(weight, (0, 0), sigma)
+    blurred = cv2.GaussianBlur(difference, (0, 0), sigma)
+    blurred /= np.maximum(blurred_weight, 1e-4)[..., None]
+    np.clip(blurred, -_MOST_CORRECTION, _MOST_CORRECTION, out=blurred)
+    correction = membrane(blurred.astype(np.float32), under_rim | fixed)
+    correction[fixed] = 0
+    return np.clip(filling + correction, 0, 255)
+
+
+def _detail(
+    view: NDArray[np.uint8], known: NDArray[np.bool_], away_px: NDArray[np.float32], region: Region
+) -> float:
+    """How much detail there is around the hole: the mean second difference in gray levels."""
+    gray = cv2.cvtColor(view, cv2.COLOR_RGB2GRAY).astype(np.float32)
+    nearby = away_px < max(0.5 * len(view) / 2, 4)
+    solid = cv2.erode((known & nearby).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    if not solid.any():
+        return 0.0
+    return float(np.abs(cv2.Laplacian(gray, cv2.CV_32F))[solid].mean())
+
+
+def _whole_sphere(picture: NDArray[np.uint8], unknown: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """A smooth filling for holes too large for any view, made in the panorama itself."""
+    width = min(picture.shape[1], 1024)
+    size = (width, width // 2)
+    share = cv2.resize((~unknown).astype(np.float32), size, interpolation=cv2.INTER_AREA)
+    known_pixels = picture.astype(np.float32) * (~unknown)[..., None]
+    means = cv2.resize(known_pixels, size, interpolation=cv2.INTER_AREA)
+    means /= np.maximum(share, 1e-6)[..., None]
+    smooth = membrane(means.astype(np.float32), share > 0.5, wraps=True)
+    full = (picture.shape[1], picture.shape[0])
+    larger = cv2.resize(smooth, full, interpolation=cv2.INTER_LINEAR)
+    return np.clip(np.rint(larger), 0, 255).astype(np.uint8)
+
+
+def _fade(level: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Zero below 0, one above 1, and a smooth step between (3 t^2 - 2 t^3)."""
+    t = np.clip(level, 0, 1)
+    return np.asarray(t * t * (3 - 2 * t), np.float32)
+
+
+def _record(region: Region, method: str) -> dict[str, Any]:
+    azimuth = np.rad2deg(np.arctan2(region.center[0], -region.center[2]))
+    elevation = np.rad2deg(np.arcsin(np.clip(region.center[1], -1, 1)))
+    return {
+        "method": method,
+        "azimuth_deg": round(float(azimuth), 1),
+        "elevation_deg": round(float(elevation), 1),
+        "radius_deg": round(float(np.rad2deg(region.radius)), 2),
+    }

@@ -1,0 +1,24 @@
+"""The settings of `inpaint`."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from panokit.settings import Settings
+
+VERSION = "1"
+
+
+class InpaintSettings(Settings):
+    """Which holes are filled, and with what."""
+
+    nadir_deg: Annotated[float, Field(gt=0, le=60)] | Literal["auto"] | None = "auto"
+    """Fill the cap of this angular radius below the camera; "auto" fills one only where a cap
+    is plainly there, None never does."""
+
+    method: Literal["texture", "smooth"] = "texture"
+    """What holes with detail around them are filled with: copies of that detail, or a smooth
+    surface. Holes in a smooth sky and tiny ones are smooth either way."""
+
+    rim_deg: float = Field(default=0.6, gt=0, le=5)
+    """Width of the band outside a hole in which the filling fades into the picture."""
