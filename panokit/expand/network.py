@@ -1,0 +1,118 @@
+"""Expansion with a released model: two networks, one on the grid and one on the components."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.errors import ImageError, ModelError
+from panokit.expand.component_features import component_features
+from panokit.expand.components import find_components
+from panokit.expand.curve import apply_curve
+from panokit.expand.features import GRID_WIDTH_PX, grid_features
+from panokit.expand.reduce import ReducedPanorama
+from panokit.expand.spread import grid_energies, spread_gain
+from panokit.inference import DEFAULT_THREADS, Session
+from panokit.weights import ReleasedModel, find_model, verify_model
+
+# Of the functions that make the networks' inputs; a model says which one it was trained with.
+FEATURES_VERSION = "1"
+# The U-net halves the grid four times, so its answer repeats under rolls of 16 cells only.
+# The mean over rolls by 0 to 15 cells repeats under every roll, and is a better answer.
+ROLLS = 16
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class NetworkExpansion:
+    """An expanded panorama and what the model thought of it.
+
+    Attributes:
+        radiance: (H, W, 3) float32, linear; 1 is the level at which the picture clipped.
+        curve_slopes: Of the camera's response, in the dark and at white; see `curve`.
+        component_gains: How many times brighter than shown each component is, largest first.
+    """
+
+    radiance: NDArray[np.float32]
+    curve_slopes: tuple[float, float]
+    component_gains: tuple[float, ...]
+
+
+class ExpansionNetwork:
+    """A released expansion model, loaded and verified.
+
+    Raises:
+        ModelError: If its files are damaged, or it is not for this version's features.
+    """
+
+    def __init__(self, model: ReleasedModel, *, threads: int = DEFAULT_THREADS) -> None:
+        if model.task != "expand" or model.features_version != FEATURES_VERSION:
+            raise ModelError(
+                f"Model {model.id!r} is for {model.task!r} with features "
+                f"{model.features_version!r}; this is expand with features {FEATURES_VERSION!r}. "
+                "Use a model of this version of panokit."
+            )
+        verify_model(model)
+        self.digest = model.digest
+        self._gain = Session(model.path("gain"), threads=threads)
+        self._components = Session(model.path("components"), threads=threads)
+
+    def grid_gain(
+        self, grid: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], tuple[float, float]]:
+        """Log gain (3, 64, 128) and the curve's slopes for `grid_features`, over all rolls."""
+        rolled = np.stack([np.roll(grid, shift, axis=-1) for shift in range(ROLLS)])
+        result = self._gain.run({"grid": rolled})
+        back = [np.roll(gain, -i, axis=-1) for i, gain in enumerate(result["log_gain"])]
+        dark, white = np.exp(np.log(result["slopes"]).mean(axis=0))
+        return np.mean(back, axis=0), (float(dark), float(white))
+
+    def component_gain(self, features: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Log gain (K,) for `component_features` (K, 60)."""
+        if not len(features):
+            return np.zeros(0, np.float32)
+        return self._components.run({"features": features[None]})["log_gain"][0]
+
+
+def expand_network(reduced: ReducedPanorama, network: ExpansionNetwork) -> NetworkExpansion:
+    """Recover the light that clipping took.
+
+    Pixels that are not burnt out change by the estimated camera curve only. A component's
+    energy is the geometric mean of what the two networks say.
+
+    Args:
+        reduced: The panorama; at 1024 pixels or more the network sees what it was trained on.
+        network: The model.
+
+    Raises:
+        ImageError: If the panorama is smaller than the network's grid.
+    """
+    width = reduced.width_px
+    if width < GRID_WIDTH_PX:
+        raise ImageError(
+            f"The panorama is {width} pixels wide; the network needs at least {GRID_WIDTH_PX}. "
+            "Use a larger picture or an analytic model, such as srgb.",
+            reason="too-small",
+            values={"width_px": width},
+        )
+    grid = grid_features(reduced)
+    components = find_components(reduced)
+    log_gain, slopes = network.grid_gain(grid)
+    energies = grid_energies(log_gain, reduced, components)
+    described = network.component_gain(component_features(reduced, components, grid))
+    energies[1:] = np.sqrt(energies[1:] * components.energy * np.exp(described))
+    lost = spread_gain(log_gain, reduced, components, energies)
+    open_share = np.maximum(1 - reduced.share, 1e-3)[..., None]
+    clear = apply_curve(np.clip(reduced.clear / open_share, 0, 1), *slopes) * open_share
+    radiance = clear + reduced.burnt + lost
+    return NetworkExpansion(
+        radiance=np.ascontiguousarray(radiance, np.float32),
+        curve_slopes=slopes,
+        component_gains=tuple((energies[1:] / components.energy).tolist()),
+    )
+
+
+@lru_cache(maxsize=2)
+def load_network(model_id: str) -> ExpansionNetwork:
+    """The released model with this id, loaded once."""
+    return ExpansionNetwork(find_model(model_id))

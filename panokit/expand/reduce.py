@@ -1,0 +1,120 @@
+"""A panorama of any size as linear maps of the size that the result will have.
+
+Clipping is judged on the full-size pixels, before any averaging, so a lamp that is thinner
+than a target pixel still counts with its true share. The picture is decoded strip by strip:
+memory does not grow with it.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.color import srgb_decode_u8
+from panokit.sphere import resize_radiance, row_solid_angles
+from panokit.sphere.solid_angle import row_overlap_weights
+
+# A pixel is burnt out where its second-highest channel reaches this code. Asking for all
+# three misses sodium lamps, asking for any one marks blue skies as lamps.
+BURNT_CODE = 250
+
+_STRIP_PIXELS = 1 << 20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReducedPanorama:
+    """A panorama split into the part the camera could record and the part it could not.
+
+    All maps are means over the solid angle of each target pixel; clear + burnt is the whole
+    picture.
+
+    Attributes:
+        clear: (H, W, 3) float32, linear, of the pixels that are not burnt out.
+        burnt: (H, W, 3) float32, linear, of the pixels that are.
+        share: (H, W) float32, how much of the target pixel is burnt out, 0 to 1.
+        white: (H, W) float32, how much of it is burnt out in all three channels, 0 to 1.
+        encoded: (H, W, 3) float32, display-encoded values in [0, 1].
+    """
+
+    clear: NDArray[np.float32]
+    burnt: NDArray[np.float32]
+    share: NDArray[np.float32]
+    white: NDArray[np.float32]
+    encoded: NDArray[np.float32]
+
+    @property
+    def width_px(self) -> int:
+        """Twice the height."""
+        return int(self.share.shape[1])
+
+    @property
+    def linear(self) -> NDArray[np.float32]:
+        """The whole picture, (H, W, 3) float32, linear; 1 is white."""
+        return self.clear + self.burnt
+
+    @property
+    def burnt_share(self) -> float:
+        """The share of the sphere that is burnt out, 0 to 1."""
+        weights = row_solid_angles(self.width_px // 2, self.width_px)
+        return float(weights @ self.share.sum(axis=1, dtype=np.float64) / (4 * np.pi))
+
+    def at_width(self, width_px: int) -> "ReducedPanorama":
+        """The same maps averaged to a smaller width."""
+        if width_px == self.width_px:
+            return self
+        stack = np.dstack([self.clear, self.burnt, self.share, self.white, self.encoded])
+        return _from_stack(resize_radiance(stack, width_px))
+
+
+def burnt_out(pixels: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Which pixels (..., 3) lost their light to clipping, (...) bool; see `BURNT_CODE`."""
+    red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
+    second = np.maximum(np.minimum(red, green), np.minimum(np.maximum(red, green), blue))
+    return np.asarray(second >= BURNT_CODE)
+
+
+def reduce_panorama(pixels: NDArray[np.uint8], width_px: int) -> ReducedPanorama:
+    """Average a panorama to `width_px` x `width_px // 2`, keeping its energy.
+
+    Args:
+        pixels: (H, W, 3) uint8, W == 2 H, W >= width_px.
+        width_px: Of the result, even.
+    """
+    height, width = pixels.shape[:2]
+    rows = max(_STRIP_PIXELS // width, 1)
+    mix = row_overlap_weights(height, width_px // 2).astype(np.float32)
+    total = np.zeros((width_px // 2, width_px * 11), np.float32)
+    for top in range(0, height, rows):
+        strip = _maps_of(pixels[top : top + rows])
+        if width != width_px:
+            strip = cv2.resize(strip, (width_px, len(strip)), interpolation=cv2.INTER_AREA)
+        weights = mix[:, top : top + rows]
+        targets = np.flatnonzero(weights.any(axis=1))
+        first, last = targets[0], targets[-1] + 1
+        total[first:last] += weights[first:last] @ strip.reshape(len(strip), -1)
+    return _from_stack(total.reshape(width_px // 2, width_px, 11))
+
+
+def _maps_of(pixels: NDArray[np.uint8]) -> NDArray[np.float32]:
+    maps = np.empty((*pixels.shape[:2], 11), np.float32)
+    linear = srgb_decode_u8(pixels)
+    burnt = burnt_out(pixels)
+    maps[..., 3:6] = linear * burnt[..., None]
+    maps[..., 0:3] = linear - maps[..., 3:6]
+    maps[..., 6] = burnt
+    maps[..., 7] = pixels.min(axis=2) >= BURNT_CODE
+    maps[..., 8:11] = pixels
+    maps[..., 8:11] /= 255
+    return maps
+
+
+def _from_stack(stack: NDArray[Any]) -> ReducedPanorama:
+    return ReducedPanorama(
+        clear=stack[..., 0:3],
+        burnt=stack[..., 3:6],
+        share=stack[..., 6],
+        white=stack[..., 7],
+        encoded=stack[..., 8:11],
+    )

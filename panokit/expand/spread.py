@@ -1,0 +1,114 @@
+"""From log gains on the coarse grid and energies of components to burnt-out light per pixel."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.color import luminance
+from panokit.expand.components import Components
+from panokit.expand.features import GRID_HEIGHT_PX, GRID_WIDTH_PX
+from panokit.expand.reduce import ReducedPanorama
+from panokit.sphere import row_solid_angles
+
+# Up to this half-width a component's light is drawn toward its middle, as a lamp's or a
+# sun's is behind its glare; wider ones (skies, windows) are shaped by the grid alone.
+COMPACT_DEG = 6.0
+
+
+def grid_energies(
+    log_gain: NDArray[np.float32], reduced: ReducedPanorama, components: Components
+) -> NDArray[np.float64]:
+    """The luminance energy that the grid gives to each region.
+
+    Args:
+        log_gain: (3, 64, 128).
+        reduced: The panorama.
+        components: Those of `reduced`.
+
+    Returns:
+        (K + 1,) float64: first the burnt-out light outside the components, then each one's.
+    """
+    height, width = reduced.share.shape
+    rows = np.arange(height) * GRID_HEIGHT_PX // height
+    columns = np.arange(width) * GRID_WIDTH_PX // width
+    gain = np.exp(np.maximum(log_gain, 0))[:, rows[:, None], columns[None, :]]
+    light = luminance(reduced.burnt * gain.transpose(1, 2, 0))
+    return _sum_by_label(light, components)
+
+
+def spread_gain(
+    log_gain: NDArray[np.float32],
+    reduced: ReducedPanorama,
+    components: Components,
+    energies: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    """The light that the picture lost, (H, W, 3) float32, >= 0.
+
+    The grid's gain, interpolated so that no cell shows, gives the shape and the color; each
+    region is then scaled to its energy. It is zero wherever nothing is burnt out.
+
+    Args:
+        log_gain: (3, 64, 128), of burnt-out light.
+        reduced: The panorama.
+        components: Those of `reduced`.
+        energies: (K + 1,), as `grid_energies` returns them: what each region should have.
+    """
+    gain = np.exp(np.maximum(_interpolated(log_gain, reduced), 0))
+    excess = reduced.burnt * (gain - 1) * _toward_middle(components)[..., None]
+    shown = _sum_by_label(luminance(reduced.burnt), components)
+    drawn = _sum_by_label(luminance(excess), components)
+    wanted = np.maximum(energies - shown, 0)
+    scale = np.divide(wanted, drawn, out=np.zeros_like(drawn), where=drawn > 1e-12)
+    return excess * scale.astype(np.float32)[components.labels][..., None]
+
+
+def _sum_by_label(light: NDArray[np.floating], components: Components) -> NDArray[np.float64]:
+    height, width = light.shape
+    weighted = light * row_solid_angles(height, width)[:, None]
+    return np.bincount(components.labels.ravel(), weighted.ravel(), len(components) + 1)
+
+
+def _toward_middle(components: Components) -> NDArray[np.float32]:
+    """Weights in (0, 1] that fall to the edge of compact components, 1 elsewhere."""
+    radius = np.zeros(len(components) + 1, np.float32)
+    np.maximum.at(radius, components.labels.ravel(), components.edge_deg.ravel())
+    radius[0] = np.inf
+    power = np.clip(2 - 2 * radius / COMPACT_DEG, 0, 1)
+    inside = components.labels > 0
+    weights = np.ones(components.labels.shape, np.float32)
+    label = components.labels[inside]
+    relative = np.maximum(components.edge_deg[inside] / np.maximum(radius[label], 1e-6), 0.05)
+    weights[inside] = relative ** power[label]
+    return weights
+
+
+def _interpolated(
+    log_gain: NDArray[np.float32], reduced: ReducedPanorama
+) -> NDArray[np.float32]:
+    """The grid's log gain at every pixel, (H, W, 3), linear between the cells' centers."""
+    share = reduced.at_width(GRID_WIDTH_PX).share
+    grid = _filled(np.ascontiguousarray(log_gain.transpose(1, 2, 0)), share)
+    height, width = reduced.share.shape
+    wrapped = np.concatenate([grid[:, -2:], grid, grid[:, :2]], axis=1)
+    column = (np.arange(width, dtype=np.float32) + 0.5) * (GRID_WIDTH_PX / width) + 1.5
+    row = (np.arange(height, dtype=np.float32) + 0.5) * (GRID_HEIGHT_PX / height) - 0.5
+    row = np.clip(row, 0, GRID_HEIGHT_PX - 1)
+    return cv2.remap(
+        wrapped,
+        np.broadcast_to(column[None, :], (height, width)).copy(),
+        np.broadcast_to(row[:, None], (height, width)).copy(),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+
+
+def _filled(grid: NDArray[np.float32], share: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Cells without burnt-out light, where the network's answer has no meaning, take the mean
+    of their burnt-out neighbors, so that interpolation does not pull edges toward it.
+    """  # noqa: D205
+    weight = share[..., None].astype(np.float32)
+    padded = np.concatenate([grid * weight, weight], axis=2)
+    padded = np.concatenate([padded[:, -1:], padded, padded[:, :1]], axis=1)
+    blurred = cv2.blur(padded, (3, 3), borderType=cv2.BORDER_REPLICATE)[:, 1:-1]
+    mean = blurred[..., :3] / np.maximum(blurred[..., 3:], 1e-6)
+    return np.where((weight <= 1e-4) & (blurred[..., 3:] > 1e-5), mean, grid).astype(np.float32)

@@ -1,0 +1,88 @@
+"""The stage `expand`: an LDR panorama in, an HDR environment map out."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.envmap import Anchor, EnvironmentMap
+from panokit.expand.baselines import expand_area, expand_reinhard, expand_srgb
+from panokit.expand.features import CONTRAST_WIDTH_PX
+from panokit.expand.network import expand_network, load_network
+from panokit.expand.reduce import ReducedPanorama, reduce_panorama
+from panokit.expand.settings import VERSION, ExpandSettings
+from panokit.panorama import Panorama
+from panokit.provenance import Step
+from panokit.sphere import energy, resize_radiance
+
+ANALYTIC: Mapping[str, Callable[[ReducedPanorama], NDArray[np.float32]]] = {
+    "srgb": expand_srgb,
+    "reinhard": expand_reinhard,
+    "area": expand_area,
+}
+
+
+def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> EnvironmentMap:
+    """Recover the radiance behind a panorama.
+
+    A radiance of 1.0 is the level at which the picture clipped. Frame and capture stay those
+    of the panorama. The map is never wider than the panorama: one that is narrower than
+    `settings.width_px` keeps its own width, and the step in the provenance says so.
+
+    Args:
+        panorama: Any size from 16x8; a network needs 128x64.
+        settings: Of the stage; the defaults if not given.
+
+    Raises:
+        ImageError: If the panorama is too small for the network.
+        ModelError: If the model is not known, or its files are damaged.
+    """
+    settings = settings or ExpandSettings()
+    width_px = min(settings.width_px, panorama.width_px)
+    # A network looks at details that a narrower map would no longer show.
+    working_px = min(max(width_px, CONTRAST_WIDTH_PX), panorama.width_px)
+    reduced = reduce_panorama(panorama.pixels, working_px)
+    radiance, weights_digest, found = _expanded(reduced, settings.model)
+    radiance = resize_radiance(radiance, width_px)
+    step = Step(
+        stage="expand",
+        version=VERSION,
+        settings_digest=settings.digest,
+        weights_digest=weights_digest,
+        values={
+            "model": settings.model,
+            "width_px": width_px,
+            "width_limited_by_panorama": width_px < settings.width_px,
+            "burnt_share": round(reduced.burnt_share, 6),
+            "energy_before": _rounded(energy(reduced.linear)),
+            "energy_after": _rounded(energy(radiance)),
+            **found,
+        },
+    )
+    return EnvironmentMap(
+        radiance=radiance,
+        frame=panorama.frame,
+        anchor=Anchor.LDR_WHITE,
+        capture=panorama.capture,
+        provenance=panorama.provenance.then(step),
+    )
+
+
+def _expanded(
+    reduced: ReducedPanorama, model: str
+) -> tuple[NDArray[np.float32], str, dict[str, Any]]:
+    """Radiance, the digest of the weights, and what the model found."""
+    if model in ANALYTIC:
+        return ANALYTIC[model](reduced), "", {}
+    network = load_network(model)
+    expansion = expand_network(reduced, network)
+    found = {
+        "curve_slopes": [round(slope, 4) for slope in expansion.curve_slopes],
+        "component_gains": [round(gain, 3) for gain in expansion.component_gains],
+    }
+    return expansion.radiance, network.digest, found
+
+
+def _rounded(values: NDArray[np.float64]) -> list[float]:
+    return [round(float(value), 6) for value in values]

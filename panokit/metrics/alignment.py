@@ -1,0 +1,40 @@
+"""The one gain that relative radiance leaves open."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.errors import ItemError
+from panokit.sphere import row_solid_angles
+
+
+def alignment_gain(
+    estimate: NDArray[np.floating[Any]], truth: NDArray[np.floating[Any]], ldr: NDArray[np.uint8]
+) -> float:
+    """The factor on the estimate that fits it best to the truth where the LDR picture knew it.
+
+    s = sum(w p g) / sum(w p^2) over the RGB samples of the pixels that are clipped at neither
+    end (no channel 0 or 255), with solid angles as weights: the field's convention, with the
+    weights of the sphere added.
+
+    Args:
+        estimate: (H, W, 3), linear.
+        truth: (H, W, 3), linear.
+        ldr: (H, W, 3), the picture that the estimate was made from.
+
+    Raises:
+        ItemError: If no pixel can be compared.
+    """
+    inside = (ldr.min(axis=2) > 0) & (ldr.max(axis=2) < 255)
+    height, width = inside.shape
+    weights = np.broadcast_to(row_solid_angles(height, width)[:, None], inside.shape)[inside]
+    p, g = estimate[inside].astype(np.float64), truth[inside].astype(np.float64)
+    norm = float(weights @ (p * p).sum(axis=1))
+    if norm <= 0:
+        raise ItemError(
+            "No pixel of the picture is clipped at neither end, so the scale of the estimate "
+            "cannot be compared. Judge a picture with some unclipped pixels.",
+            reason="nothing-unclipped",
+        )
+    return float(weights @ (p * g).sum(axis=1)) / norm

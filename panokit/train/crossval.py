@@ -1,0 +1,120 @@
+"""The expansion experiment: a recipe against analytic methods, on probes it has not seen.
+
+Whole groups of probes are held out, fold by fold. Each held-out probe is photographed with
+the test cameras A and B; the recipe and the saturated-area rule know the other folds only.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.color.camera import CAMERA_A, CAMERA_B, Camera, photograph
+from panokit.expand.baselines import expand_area, expand_reinhard, expand_srgb
+from panokit.expand.network import ExpansionNetwork, expand_network
+from panokit.expand.reduce import ReducedPanorama, reduce_panorama
+from panokit.metrics import ExpansionScore, score_expansion
+from panokit.train.area_rule import fit_area_rule
+from panokit.train.ensemble import train_ensemble
+from panokit.train.examples import Examples
+from panokit.train.probes import TrainingProbe, assign_folds
+from panokit.train.recipe import Recipe
+from panokit.train.release import release
+from panokit.weights import read_model
+
+FOLDS = 5
+TEST_CAMERAS = (CAMERA_A, CAMERA_B)
+LDR_METHOD = "ldr"
+RECIPE_METHOD = "recipe"
+
+Method = Callable[[ReducedPanorama], NDArray[np.float32]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScoreRow:
+    """One method on one picture.
+
+    Attributes:
+        method: "ldr", "srgb", "reinhard", "area" or "recipe".
+        camera: "A" or "B".
+        probe: Its name.
+        category: Of the probe.
+        fold: That the probe was held out in.
+        score: What came out.
+    """
+
+    method: str
+    camera: str
+    probe: str
+    category: str
+    fold: int
+    score: ExpansionScore
+
+
+def train_fold(
+    probes: Sequence[TrainingProbe], examples: Examples, recipe: Recipe, fold: int, work: Path
+) -> Path:
+    """Train and export the recipe without the probes of one fold; returns the model's folder."""
+    known = np.flatnonzero(assign_folds(probes, FOLDS) != fold)
+    folder = work / f"fold-{fold}"
+    networks = train_ensemble(examples.of_probes(known), recipe, folder)
+    release(recipe, *networks, folder)
+    return folder
+
+
+def judge_fold(
+    probes: Sequence[TrainingProbe], examples: Examples, fold: int, model: Path
+) -> list[ScoreRow]:
+    """Score every method on the probes of one fold.
+
+    Args:
+        probes: All probes.
+        examples: Of all probes; the area rule is fitted to those outside the fold.
+        fold: To judge.
+        model: The folder that `train_fold` returned.
+    """
+    folds = assign_folds(probes, FOLDS)
+    rule = fit_area_rule(examples.of_probes(np.flatnonzero(folds != fold)))
+    network = ExpansionNetwork(read_model(model), threads=1)
+    methods: dict[str, Method] = {
+        LDR_METHOD: lambda reduced: reduced.encoded,
+        "srgb": expand_srgb,
+        "reinhard": expand_reinhard,
+        "area": partial(expand_area, rule=rule),
+        RECIPE_METHOD: lambda reduced: expand_network(reduced, network).radiance,
+    }
+    rows = []
+    for index in np.flatnonzero(folds == fold):
+        rows += _judge_probe(probes[index], int(index), fold, methods, TEST_CAMERAS)
+    return rows
+
+
+def _judge_probe(
+    probe: TrainingProbe,
+    index: int,
+    fold: int,
+    methods: dict[str, Method],
+    cameras: Iterable[Camera],
+) -> list[ScoreRow]:
+    radiance = probe.radiance()
+    rows = []
+    for camera in cameras:
+        # Far from the seeds of the training pictures.
+        shot = photograph(radiance, camera, seed=1_000_000_000 + index)
+        truth = radiance * np.float32(shot.exposure)
+        reduced = reduce_panorama(shot.pixels, radiance.shape[1])
+        for name, method in methods.items():
+            rows.append(
+                ScoreRow(
+                    method=name,
+                    camera=camera.name,
+                    probe=probe.name,
+                    category=probe.category,
+                    fold=fold,
+                    score=score_expansion(method(reduced), truth, shot.pixels),
+                )
+            )
+    return rows

@@ -1,0 +1,33 @@
+"""All the networks of one model, trained one after another with a checkpoint each."""
+
+from pathlib import Path
+
+from panokit.networks.component_net import ComponentEnsemble
+from panokit.networks.gain_net import GainEnsemble
+from panokit.train.examples import Examples
+from panokit.train.loop import train_component_net, train_gain_net
+from panokit.train.recipe import Recipe
+
+
+def train_ensemble(
+    examples: Examples, recipe: Recipe, checkpoints: Path
+) -> tuple[GainEnsemble, ComponentEnsemble]:
+    """Train every member of a recipe's ensembles; what is finished in `checkpoints` is kept.
+
+    Args:
+        examples: To learn from.
+        recipe: How, and how many members.
+        checkpoints: A folder for this recipe and these examples alone.
+    """
+    checkpoints.mkdir(parents=True, exist_ok=True)
+    gain = [
+        train_gain_net(
+            examples, recipe.network, seed=seed, checkpoint=checkpoints / f"gain-{seed}.pt"
+        )
+        for seed in range(recipe.network.members)
+    ]
+    components = [
+        train_component_net(examples, recipe.components, seed=seed)
+        for seed in range(recipe.components.members)
+    ]
+    return GainEnsemble(gain).eval(), ComponentEnsemble(components).eval()

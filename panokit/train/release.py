@@ -1,0 +1,149 @@
+"""From trained networks to the files of a released model."""
+
+import hashlib
+import logging
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from panokit.errors import ModelError
+from panokit.expand.component_features import COMPONENT_FEATURES
+from panokit.expand.features import CHANNELS, GRID_HEIGHT_PX, GRID_WIDTH_PX
+from panokit.expand.network import FEATURES_VERSION
+from panokit.inference import Session
+from panokit.io.files import atomic_write, write_bytes
+from panokit.networks.component_net import ComponentEnsemble
+from panokit.networks.gain_net import GainEnsemble
+from panokit.train.recipe import Recipe
+
+# The largest difference between torch and ONNX Runtime, relative to the largest value.
+PARITY = 1e-4
+
+_GAIN_FILE = "gain.onnx"
+_COMPONENT_FILE = "components.onnx"
+
+
+def release(
+    recipe: Recipe, gain: GainEnsemble, components: ComponentEnsemble, folder: Path
+) -> None:
+    """Write the networks and `model.toml`, which comes last.
+
+    Raises:
+        ModelError: If ONNX Runtime does not give what torch gives.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    grid = torch.rand(2, len(CHANNELS), GRID_HEIGHT_PX, GRID_WIDTH_PX)
+    rows = torch.rand(2, 5, COMPONENT_FEATURES)
+    batch, count = torch.export.Dim("batch"), torch.export.Dim("count")
+    export(gain, {"grid": grid}, ("log_gain", "slopes"), {0: batch}, folder / _GAIN_FILE)
+    export(
+        components,
+        {"features": rows},
+        ("log_gain",),
+        {0: batch, 1: count},
+        folder / _COMPONENT_FILE,
+    )
+    write_bytes(folder / "model.toml", _description(recipe, folder).encode())
+
+
+def export(
+    network: nn.Module,
+    example: Mapping[str, Tensor],
+    outputs: tuple[str, ...],
+    dynamic: Mapping[int, Any],
+    path: Path,
+) -> None:
+    """Write one network as ONNX and check that it computes the same.
+
+    Args:
+        network: Taking tensors, in the order of `example`.
+        example: Name -> example input.
+        outputs: Their names, in order.
+        dynamic: Axis -> dimension, of every input.
+        path: Of the .onnx file.
+
+    Raises:
+        ModelError: If ONNX Runtime does not give what torch gives.
+    """
+    network = network.eval()
+    with warnings.catch_warnings(), _quiet_exporter():
+        # The exporter warns of its own internals; the parity check below is what counts.
+        warnings.simplefilter("ignore")
+        program = torch.onnx.export(
+            network,
+            tuple(example.values()),
+            input_names=list(example),
+            output_names=list(outputs),
+            dynamic_shapes=tuple(dict(dynamic) for _ in example),
+            dynamo=True,
+            external_data=False,
+            verbose=False,
+        )
+    if program is None:
+        raise ModelError(f"torch could not export {path.name}.")
+    with atomic_write(path) as temporary:
+        program.save(str(temporary), external_data=False)
+    with torch.inference_mode():
+        expected = network(*example.values())
+    expected = expected if isinstance(expected, tuple) else (expected,)
+    found = Session(path).run({name: value.numpy() for name, value in example.items()})
+    for name, value in zip(outputs, expected, strict=True):
+        _check_parity(path.name, name, found[name], value.numpy())
+
+
+def _check_parity(
+    file: str, output: str, found: NDArray[np.float32], expected: NDArray[np.float32]
+) -> None:
+    difference = float(np.abs(found - expected).max()) / max(float(np.abs(expected).max()), 1e-6)
+    if difference > PARITY:
+        raise ModelError(
+            f"{file}: {output} differs between torch and ONNX Runtime by {difference:.1e} of its "
+            f"largest value, more than {PARITY:.0e}. Export with another version of torch."
+        )
+
+
+def _description(recipe: Recipe, folder: Path) -> str:
+    networks = {
+        "gain": (_GAIN_FILE, ["grid"], ["log_gain", "slopes"]),
+        "components": (_COMPONENT_FILE, ["features"], ["log_gain"]),
+    }
+    lines = [
+        f'id = "{recipe.id}"',
+        f'task = "{recipe.task}"',
+        'license = "CC0-1.0"',
+        'description = "Light beyond clipping from one LDR panorama"',
+        f'features_version = "{FEATURES_VERSION}"',
+    ]
+    for role, (name, inputs, outputs) in networks.items():
+        sha256 = hashlib.sha256((folder / name).read_bytes()).hexdigest()
+        lines += [
+            "",
+            f"[files.{role}]",
+            f'name = "{name}"',
+            f'sha256 = "{sha256}"',
+            f"inputs = {_toml_list(inputs)}",
+            f"outputs = {_toml_list(outputs)}",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _toml_list(names: list[str]) -> str:
+    return "[" + ", ".join(f'"{name}"' for name in names) + "]"
+
+
+class _quiet_exporter:  # noqa: N801
+    """Keeps the exporter's remarks about packages that it does not need out of the log."""
+
+    def __enter__(self) -> None:
+        self._logger = logging.getLogger("torch.onnx")
+        self._level = self._logger.level
+        self._logger.setLevel(logging.ERROR)
+
+    def __exit__(self, *_: object) -> None:
+        self._logger.setLevel(self._level)
