@@ -1,15 +1,15 @@
 """QA: is this map good enough to light a scene, and how close is it to its reference?
 
-    settings      every threshold
-    verdicts      figures, limits, verdicts, and the report of one map
-    radiometry    energy, dynamic range, clipping
-    geometry      the wrap seam and the poles
-    checks        the table of checks; `check` and `judge`
-    compare       a map against the map it should be
-    distribution  a map among maps of other places
-    items         what to judge
-    batch         `qa`: many maps, with references
-    report        the HTML report and qa.json
+settings      every threshold
+verdicts      figures, limits, verdicts, and the report of one map
+radiometry    energy, dynamic range, clipping
+geometry      the wrap seam and the poles
+checks        the table of checks; `check` and `judge`
+compare       a map against the map it should be
+distribution  a map among maps of other places
+items         what to judge
+batch         `qa`: many maps, with references
+report        the HTML report and qa.json
 """
 
 from typing import TYPE_CHECKING

@@ -1,7 +1,7 @@
 """QA of many maps: each read once, judged alone, then against references."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +40,7 @@ class JudgedMap:
     comparison: Comparison | None = None
     standings: tuple[Standing, ...] = ()
     capture: Capture | None = None
-    provenance: Provenance = Provenance()
+    provenance: Provenance = field(default_factory=Provenance)
 
     @property
     def verdict(self) -> Verdict:
@@ -172,7 +172,7 @@ def judge_item(
     try:
         envmap = read_environment_map(item.map_path)
     except ItemError as error:
-        rejection = Rejection.from_error(item.name, "qa", error)
+        rejection = _rejection(item.name, item.map_path, error)
         return JudgedMap(item=item, rejection=rejection, capture=item.capture)
     return JudgedMap(
         item=item,
@@ -188,7 +188,8 @@ def _compare_with(envmap: EnvironmentMap, truth: Path, settings: QaSettings) -> 
     try:
         reference = read_environment_map(truth)
     except ItemError as error:
-        return Comparison(reference=truth.name, obstacle=str(error))
+        obstacle = str(error).replace(str(truth), truth.name)
+        return Comparison(reference=truth.name, obstacle=obstacle)
     return compare(envmap, reference, settings, path=truth)
 
 
@@ -216,5 +217,11 @@ def _measure_references(
         try:
             measured[name] = scale_free_figures(read_environment_map(path))
         except ItemError as error:
-            skipped.append(Rejection.from_error(name, "qa", error))
+            skipped.append(_rejection(name, path, error))
     return measured, tuple(skipped)
+
+
+def _rejection(name: str, path: Path, error: ItemError) -> Rejection:
+    """What the error says, with the file's name alone: reports are the same on any machine."""
+    rejection = Rejection.from_error(name, "qa", error)
+    return replace(rejection, message=rejection.message.replace(str(path), path.name))

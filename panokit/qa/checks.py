@@ -42,7 +42,7 @@ RULES: tuple[Rule, ...] = (
     Rule(
         name="physical",
         measure=unphysical_values,
-        unit="values",
+        unit="bad values",
         meaning="Radiance is finite and not negative everywhere.",
         high=lambda settings: 0.0,
     ),

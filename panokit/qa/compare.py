@@ -85,10 +85,19 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Pair:
-    """Two maps ready to be compared, (H, W, 3) linear, in units of the camera's white."""
+    """Two maps ready to be compared, in units of the camera's white, and balls lit by them.
+
+    Attributes:
+        estimate: (H, W, 3), linear.
+        truth: (H, W, 3), linear.
+        diffuse: The balls of the estimate and of the truth.
+        mirror: The balls of the estimate and of the truth.
+    """
 
     estimate: NDArray[np.float32]
     truth: NDArray[np.float32]
+    diffuse: tuple[NDArray[np.float32], NDArray[np.float32]]
+    mirror: tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,21 +159,21 @@ MEASURES: tuple[Measure, ...] = (
         label="Diffuse ball error",
         unit="%",
         meaning="Relative RMSE of a white ball lit by the map.",
-        of=lambda pair: 100 * ball_error(*_balls(diffuse_ball, pair)),
+        of=lambda pair: 100 * ball_error(*pair.diffuse),
     ),
     Measure(
         name="diffuse-ball-shading",
         label="Diffuse ball shading",
         unit="%",
         meaning="The same after the best gain: direction and contrast of the light alone.",
-        of=lambda pair: 100 * ball_error_scale_invariant(*_balls(diffuse_ball, pair)),
+        of=lambda pair: 100 * ball_error_scale_invariant(*pair.diffuse),
     ),
     Measure(
         name="mirror-ball",
         label="Mirror ball error",
         unit="%",
         meaning="Relative RMSE of a mirror ball; a small sun decides it almost alone.",
-        of=lambda pair: 100 * ball_error(*_balls(mirror_ball, pair)),
+        of=lambda pair: 100 * ball_error(*pair.mirror),
     ),
     Measure(
         name="pu21-psnr",
@@ -217,7 +226,7 @@ def compare(
         gain = 1.0 if _same_scale(envmap, truth) else _gain(estimate, right, to_white)
     except ItemError as error:
         return Comparison(reference=reference, path=path, obstacle=str(error))
-    pair = Pair(estimate=estimate * to_white, truth=right * (to_white / np.float32(gain)))
+    pair = _pair(estimate * to_white, right * (to_white / np.float32(gain)))
     measured = [(measure, measure.of(pair)) for measure in MEASURES]
     return Comparison(
         reference=reference,
@@ -251,9 +260,7 @@ def _exposure_to_white(radiance: NDArray[np.float32], anchor: Anchor) -> float:
     return 1 / white if white > 0 else 1.0
 
 
-def _gain(
-    estimate: NDArray[np.float32], truth: NDArray[np.float32], to_white: np.float32
-) -> float:
+def _gain(estimate: NDArray[np.float32], truth: NDArray[np.float32], to_white: np.float32) -> float:
     seen = srgb_encode_u8(estimate * to_white)
     gain = alignment_gain(estimate, truth, seen)
     if gain <= 0:
@@ -264,7 +271,10 @@ def _gain(
     return gain
 
 
-def _balls(
-    ball: Callable[[NDArray[np.float32], int], NDArray[np.float32]], pair: Pair
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    return ball(pair.estimate, _BALL_PX), ball(pair.truth, _BALL_PX)
+def _pair(estimate: NDArray[np.float32], truth: NDArray[np.float32]) -> Pair:
+    return Pair(
+        estimate=estimate,
+        truth=truth,
+        diffuse=(diffuse_ball(estimate, _BALL_PX), diffuse_ball(truth, _BALL_PX)),
+        mirror=(mirror_ball(estimate, _BALL_PX), mirror_ball(truth, _BALL_PX)),
+    )

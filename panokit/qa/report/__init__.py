@@ -1,7 +1,7 @@
 """The HTML report of QA, one file without any external request, and qa.json beside it.
 
-    html      the page engine: templates, pictures as data URIs; knows nothing of QA
-    pictures  what a map looks like: bracket, tone mapping, false color, balls
-    cards     QA's results as the words and pictures of the page
-    write     `write_report`
+html      the page engine: templates, pictures as data URIs; knows nothing of QA
+pictures  what a map looks like: bracket, tone mapping, false color, balls
+cards     QA's results as the words and pictures of the page
+write     `write_report`
 """

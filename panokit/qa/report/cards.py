@@ -5,16 +5,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from panokit.capture import Capture, TimePrecision
-from panokit.envmap import EnvironmentMap
+from panokit.envmap import Anchor, EnvironmentMap
 from panokit.errors import ItemError
+from panokit.frames import Frame
 from panokit.io import read_environment_map
 from panokit.provenance import Provenance
 from panokit.qa.batch import JudgedMap
 from panokit.qa.compare import Comparison
 from panokit.qa.distribution import Standing
 from panokit.qa.report import pictures
-from panokit.qa.report.html import Picture, format_figure, picture
+from panokit.qa.report.html import Picture, format_figure, format_limit, picture
 from panokit.qa.verdicts import Check, Verdict
 
 _TIME_FORMATS: Mapping[TimePrecision, str] = {
@@ -22,6 +25,17 @@ _TIME_FORMATS: Mapping[TimePrecision, str] = {
     TimePrecision.DAY: "%Y-%m-%d",
     TimePrecision.MONTH: "%Y-%m",
     TimePrecision.YEAR: "%Y",
+}
+_FRAMES: Mapping[Frame, str] = {
+    Frame.WORLD: "north at the center",
+    Frame.LEVEL: "level, heading unknown",
+    Frame.CAMERA: "as the camera stood",
+}
+_ANCHORS: Mapping[Anchor, str] = {
+    Anchor.RELATIVE: "relative scale",
+    Anchor.LDR_WHITE: "1.0 is the camera's white",
+    Anchor.LUMINANCE: "in cd/m²",
+    Anchor.RADIANCE: "in W/(sr m²)",
 }
 _LONGEST_VALUE = 120
 
@@ -113,7 +127,9 @@ def card_of(judged: JudgedMap, anchor: str) -> Card:
         pictures=_wide_pictures(judged, envmap, truth),
         bracket=_bracket(judged.item.name, envmap),
         balls=_balls(judged.item.name, envmap, truth, comparison),
-        checks=tuple(_check_row(check) for check in (judged.report.checks if judged.report else ())),
+        checks=tuple(
+            _check_row(check) for check in (judged.report.checks if judged.report else ())
+        ),
         differences=_difference_rows(comparison),
         obstacle=comparison.obstacle if comparison else "",
         gain_note=_gain_note(comparison),
@@ -201,11 +217,11 @@ def _balls(
 ) -> tuple[BallRow, ...]:
     if truth is None or comparison is None:
         return (_ball_row("This map", name, pictures.balls(envmap)),)
-    gain = envmap.radiance.dtype.type(comparison.gain)
-    aligned = envmap.with_changes(radiance=envmap.radiance * gain, anchor=truth.anchor)
+    aligned = envmap.with_changes(radiance=envmap.radiance * np.float32(comparison.gain))
+    right = pictures.balls(truth)
     return (
-        _ball_row("This map", name, pictures.balls(aligned, exposed_as=truth)),
-        _ball_row("Reference", f"the reference of {name}", pictures.balls(truth)),
+        _ball_row("This map", name, pictures.balls(aligned, exposure=right.exposure)),
+        _ball_row("Reference", f"the reference of {name}", right),
     )
 
 
@@ -228,8 +244,8 @@ def _subtitle(capture: Capture | None, envmap: EnvironmentMap) -> str:
             parts.append(capture.time.strftime(_TIME_FORMATS[capture.time_precision]))
         parts.append(f"from {capture.provider}")
     parts.append(f"{envmap.width_px}x{envmap.height_px}")
-    parts.append(f"frame {envmap.frame}")
-    parts.append(f"scale {envmap.anchor}")
+    parts.append(_FRAMES[envmap.frame])
+    parts.append(_ANCHORS[envmap.anchor])
     return " · ".join(part for part in parts if part)
 
 
@@ -238,7 +254,7 @@ def _summary(failed: Sequence[Check]) -> str:
         return ""
     words = [
         f"{label_of(check.name).lower()} is {format_figure(check.value, check.unit)}, "
-        f"{_limits(check)} passes"
+        f"allowed is {_limits(check)}"
         for check in failed
     ]
     return f"Fails: {'; '.join(words)}."
@@ -256,12 +272,10 @@ def _check_row(check: Check) -> Row:
 
 def _limits(check: Check) -> str:
     if check.low is not None and check.high is not None:
-        return f"{format_figure(check.low)} to {format_figure(check.high, check.unit)}"
+        return f"{format_limit(check.low)} to {format_limit(check.high)}"
     if check.low is not None:
-        return f"at least {format_figure(check.low, check.unit)}"
-    if check.high is not None:
-        return f"at most {format_figure(check.high, check.unit)}"
-    return ""
+        return f"at least {format_limit(check.low)}"
+    return "" if check.high is None else f"at most {format_limit(check.high)}"
 
 
 def _difference_rows(comparison: Comparison | None) -> tuple[Row, ...]:
@@ -284,9 +298,7 @@ def _gain_note(comparison: Comparison | None) -> str:
 
 
 def _standing_row(standing: Standing) -> StandingRow:
-    low, median, high = (
-        format_figure(v) for v in (standing.low, standing.median, standing.high)
-    )
+    low, median, high = (format_figure(v) for v in (standing.low, standing.median, standing.high))
     return StandingRow(
         label=label_of(standing.name),
         value=format_figure(standing.value, standing.unit),

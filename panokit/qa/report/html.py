@@ -69,7 +69,7 @@ def format_figure(value: float | None, unit: str = "") -> str:
     """A figure with three significant digits and its unit, as a person would write it."""
     if value is None:
         return _MISSING
-    if value == 0 or float(value).is_integer() and abs(value) < 1e4:
+    if value == 0 or (float(value).is_integer() and abs(value) < 1e4):
         text = f"{value:.0f}"
     elif 1e-3 <= abs(value) < 1e4:
         digits = max(0, 2 - int(np.floor(np.log10(abs(value)))))
@@ -80,10 +80,15 @@ def format_figure(value: float | None, unit: str = "") -> str:
     return f"{text}{gap}{unit}"
 
 
+def format_limit(value: float) -> str:
+    """A threshold, which is a round number, without idle zeros."""
+    return f"{value:g}" if value == 0 or 1e-3 <= abs(value) < 1e4 else _power_of_ten(value)
+
+
 def _power_of_ten(value: float) -> str:
-    mantissa, exponent = f"{value:.1e}".split("e")
+    mantissa, exponent = f"{value:.1e}".replace(".0e", "e").split("e")
     raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{mantissa}·10{raised}"
+    return f"10{raised}" if mantissa == "1" else f"{mantissa}·10{raised}"
 
 
 @lru_cache(maxsize=1)

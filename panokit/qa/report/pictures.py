@@ -35,13 +35,29 @@ class Exposure:
     pixels: NDArray[np.uint8]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BallExposure:
+    """What linear radiance on the balls is multiplied by before it is shown."""
+
+    diffuse: float
+    specular: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Balls:
-    """Balls lit by a map, each (size, size, 3) uint8 sRGB over middle gray."""
+    """Balls lit by a map, as the page shows them: (size, size, 3) uint8 sRGB over middle gray.
+
+    Attributes:
+        diffuse: Exposed so that its lit side is just below white.
+        glossy: Exposed like the map's pictures.
+        mirror: Exposed like the map's pictures.
+        exposure: The gains behind them, to expose another map's balls alike.
+    """
 
     diffuse: NDArray[np.uint8]
     glossy: NDArray[np.uint8]
     mirror: NDArray[np.uint8]
+    exposure: BallExposure
 
 
 def panorama_pixels(path: Path) -> NDArray[np.uint8]:
@@ -111,21 +127,24 @@ def false_color_legend() -> NDArray[np.uint8]:
     return _colored(np.linspace(0, 1, 512, dtype=np.float32)[None, :].repeat(16, 0))
 
 
-def balls(envmap: EnvironmentMap, *, exposed_as: EnvironmentMap | None = None) -> Balls:
+def balls(envmap: EnvironmentMap, *, exposure: BallExposure | None = None) -> Balls:
     """Balls lit by a map.
 
     Args:
         envmap: The map.
-        exposed_as: Take the exposure from this map, so that two rows of balls compare.
+        exposure: Of another map's balls, so that the two rows compare; else the map's own.
     """
-    model = exposed_as or envmap
-    gain = np.float32(display_gain(model))
-    lit = luminance(diffuse_ball(model.radiance, BALL_PX)[..., :3])
-    diffuse_gain = np.float32(_BALL_WHITE / max(float(np.percentile(lit, 95)), 1e-12))
+    diffuse = diffuse_ball(envmap.radiance, BALL_PX)
+    if exposure is None:
+        lit = float(np.percentile(luminance(diffuse[..., :3]), 95))
+        exposure = BallExposure(
+            diffuse=_BALL_WHITE / max(lit, 1e-12), specular=display_gain(envmap)
+        )
     return Balls(
-        diffuse=_over_gray(diffuse_ball(envmap.radiance, BALL_PX), diffuse_gain),
-        glossy=_over_gray(glossy_ball(envmap.radiance, BALL_PX), gain),
-        mirror=_over_gray(mirror_ball(envmap.radiance, BALL_PX), gain),
+        diffuse=_over_gray(diffuse, exposure.diffuse),
+        glossy=_over_gray(glossy_ball(envmap.radiance, BALL_PX), exposure.specular),
+        mirror=_over_gray(mirror_ball(envmap.radiance, BALL_PX), exposure.specular),
+        exposure=exposure,
     )
 
 
@@ -138,7 +157,7 @@ def _colored(share: NDArray[np.float32]) -> NDArray[np.uint8]:
     return np.ascontiguousarray(cv2.applyColorMap(index, cv2.COLORMAP_TURBO)[..., ::-1])
 
 
-def _over_gray(ball: NDArray[np.float32], gain: np.float32) -> NDArray[np.uint8]:
+def _over_gray(ball: NDArray[np.float32], gain: float) -> NDArray[np.uint8]:
     # The page cuts the picture to a disc; gray at the rim keeps JPEG from ringing there.
     alpha = ball[..., 3:]
-    return srgb_encode_u8(ball[..., :3] * gain * alpha + _MIDDLE_GRAY * (1 - alpha))
+    return srgb_encode_u8(ball[..., :3] * np.float32(gain) * alpha + _MIDDLE_GRAY * (1 - alpha))

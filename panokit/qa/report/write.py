@@ -169,10 +169,9 @@ def _overview(result: QaResult, cards: Sequence[Card]) -> dict[str, Any]:
 def _cell(judged: JudgedMap, name: str) -> str:
     checks = judged.report.checks if judged.report else ()
     differences = judged.comparison.differences if judged.comparison else ()
-    for figure in (*checks, *differences):
-        if figure.name == name:
-            return format_figure(figure.value, figure.unit)
-    return format_figure(None)
+    figures = {check.name: (check.value, check.unit) for check in checks}
+    figures |= {difference.name: (difference.value, difference.unit) for difference in differences}
+    return format_figure(*figures.get(name, (None, "")))
 
 
 def _legend_ticks() -> list[str]:
