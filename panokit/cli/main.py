@@ -6,14 +6,16 @@ Commands are named by text and loaded when called, so `panokit --help` loads not
 import os
 import sys
 from collections.abc import Sequence
+from itertools import count
 
 from cyclopts import App, CycloptsError, Parameter
+from pydantic import ValidationError
 
 from panokit import __version__
 from panokit.errors import PanokitError
 
 _COMMANDS = {
-    "demo": ("demo:demo", "Make light probes from the embedded city and open the door to the rest"),
+    "demo": ("demo:demo", "Light probes from the embedded city, offline, in about a minute"),
     "run": ("run:run", "Run a pipeline: a city list in, light probes and a report out"),
     "fetch": ("fetch:fetch", "Fetch street panoramas of cities"),
     "stitch": ("stages:stitch", "Tiles to level panoramas"),
@@ -62,10 +64,11 @@ def build_app() -> App:
         version=__version__,
         default_parameter=Parameter(negative_iterable=()),
     )
+    order = count()
     for name, (place, text) in _COMMANDS.items():
-        app.command(f"panokit.cli.{place}", name=name, help=text)
+        app.command(f"panokit.cli.{place}", name=name, help=text, sort_key=next(order))
     for name, (text, commands) in _GROUPS.items():
-        group = App(name=name, help=text)
+        group = App(name=name, help=text, sort_key=next(order))
         for inner, (place, inner_text) in commands.items():
             group.command(f"panokit.cli.{place}", name=inner, help=inner_text)
         app.command(group)
@@ -80,7 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             tokens, exit_on_error=False, print_error=False, result_action="return_value"
         )
     except CycloptsError as error:
-        return _fail(_one_line(str(error)), 2)
+        return _fail(_usage_text(error), 2)
     except PanokitError as error:
         return _fail(_one_line(str(error)), error.exit_code)
     except KeyboardInterrupt:
@@ -98,7 +101,16 @@ def _fail(message: str, code: int) -> int:
     return code
 
 
+def _usage_text(error: CycloptsError) -> str:
+    """What is wrong with the arguments, as a person would say it."""
+    cause = error.__cause__
+    if isinstance(cause, ValidationError):
+        first = cause.errors()[0]
+        option = "--" + "-".join(str(part) for part in first["loc"]).replace("_", "-")
+        message = first["msg"][0].lower() + first["msg"][1:]
+        return f"{option} {first['input']}: {message}." if first["loc"] else f"{message}."
+    return _one_line(str(error))
+
+
 def _one_line(message: str) -> str:
-    lines = [line.strip() for line in message.splitlines() if line.strip()]
-    kept = [line for line in lines if not line.startswith("For further information")]
-    return " ".join(kept)
+    return " ".join(line.strip() for line in message.splitlines() if line.strip())

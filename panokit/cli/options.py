@@ -11,7 +11,10 @@ from panokit.errors import UsageError
 if TYPE_CHECKING:
     from panokit.pipeline.batch import BatchResult
 
-Json = Annotated[bool, Parameter(name="--json", negative=(), help="Print the result as JSON.")]
+Json = Annotated[
+    bool,
+    Parameter(name="--json", negative=(), show_default=False, help="Print the result as JSON."),
+]
 Workers = Annotated[int, Parameter(help="Processes to share the work; each needs memory.")]
 
 

@@ -1,0 +1,36 @@
+"""Whole runs and batches: the only part that knows both files and stages.
+
+settings  what a pipeline's TOML file says
+load      TOML -> settings, with line numbers and near names
+runner    a run from places to light probes
+fetching  the fetch stage of a run
+judging   QA, the report and the library of a run
+batch     many items through one stage, skipping what is complete
+tasks     one item through one stage
+inputs    what a stage's command works on
+demo      the embedded city, all the way
+"""
+
+from typing import TYPE_CHECKING
+
+from panokit.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from panokit.pipeline.batch import BatchResult, run_batch
+    from panokit.pipeline.demo import run_demo
+    from panokit.pipeline.load import load_settings
+    from panokit.pipeline.runner import RunResult, run_pipeline
+    from panokit.pipeline.settings import PipelineSettings
+
+__getattr__, __dir__, __all__ = lazy_names(
+    __name__,
+    {
+        "BatchResult": "panokit.pipeline.batch",
+        "PipelineSettings": "panokit.pipeline.settings",
+        "RunResult": "panokit.pipeline.runner",
+        "load_settings": "panokit.pipeline.load",
+        "run_batch": "panokit.pipeline.batch",
+        "run_demo": "panokit.pipeline.demo",
+        "run_pipeline": "panokit.pipeline.runner",
+    },
+)
