@@ -1,0 +1,79 @@
+"""What every source of pictures offers: find what is near some points, read a file of it."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+from panokit.capture import Capture, TileGrid
+from panokit.errors import Rejection
+from panokit.fetch.geodesy import LatLon
+from panokit.fetch.places import Place
+from panokit.io.captures import tile_name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """A picture that a provider has, not fetched yet.
+
+    Attributes:
+        capture: What the provider says of it.
+        address: Where its pixels are; only its provider reads this.
+        grid: How its tiles lie, or None for one whole picture.
+        suffix: Of a whole picture's file.
+        bytes: About how large it is.
+        raw: The provider's own description, kept in the record as it came.
+    """
+
+    capture: Capture
+    address: str = ""
+    grid: TileGrid | None = None
+    suffix: str = ".jpg"
+    bytes: int = 0
+    raw: Any = field(default=None, repr=False)
+
+    @property
+    def position_deg(self) -> LatLon | None:
+        """(latitude, longitude), or None where it is not known."""
+        latitude, longitude = self.capture.latitude_deg, self.capture.longitude_deg
+        return None if latitude is None or longitude is None else (latitude, longitude)
+
+    def filed_under(self, place: str) -> "Found":
+        """The same picture, as one of a city or area."""
+        return replace(self, capture=self.capture.at_place(place))
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The names of its files, as they will be stored."""
+        if self.grid is None:
+            return (f"image{self.suffix}",)
+        return tuple(tile_name(column, row) for column, row in self.grid.cells())
+
+
+class Provider(Protocol):
+    """A source of pictures. Both methods may ask the network; `read` runs in many threads."""
+
+    @property
+    def usd_per_file(self) -> float:
+        """What the source charges for one file."""
+
+    @property
+    def may_store(self) -> bool:
+        """Whether pictures may be kept that carry no license for it: by consent, or the user's."""
+
+    @property
+    def files_per_day(self) -> int | None:
+        """How many files its usual quota allows in a day, or None."""
+
+    def find(self, place: Place | None, points: Sequence[LatLon]) -> Iterable[Found | Rejection]:
+        """Pictures near these points, lazily; a source without places gives all it has.
+
+        What is listed but cannot be had (any more) comes as a `Rejection`. The same picture
+        may come again.
+        """
+
+    def read(self, found: Found, name: str) -> bytes:
+        """One of the files of a picture, whole and checked.
+
+        Raises:
+            ItemError: If it cannot be had or is not what it should be.
+        """

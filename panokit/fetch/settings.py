@@ -1,0 +1,135 @@
+"""The settings of `fetch`."""
+
+from datetime import date
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from panokit.settings import Settings
+
+VERSION = "1"
+
+
+class PlaceSettings(Settings):
+    """A place that is not in the table of cities: a disc around a point."""
+
+    name: str = Field(min_length=1)
+    """What to file its pictures under."""
+
+    latitude_deg: float = Field(ge=-90, le=90)
+    """North positive."""
+
+    longitude_deg: float = Field(ge=-180, le=180)
+    """East positive."""
+
+    radius_m: float = Field(default=1000.0, gt=0, le=100_000)
+    """How far from the point pictures may lie."""
+
+
+class FetchSettings(Settings):
+    """Which street panoramas to fetch, from where, and how much may be spent on it."""
+
+    source: Literal["panoramax", "google-tiles", "folder"] = "panoramax"
+    """Where from. Panoramax is open and needs no key; read the licenses of the others."""
+
+    cities: tuple[str, ...] = ()
+    """Cities by name, with a country code where the name is not unique: "Bristol, GB"."""
+
+    city_list: Path | None = None
+    """A text file with one city on a line; what follows a # is a comment."""
+
+    places: tuple[PlaceSettings, ...] = ()
+    """Places of your own, each a name, a point and a radius."""
+
+    bbox: tuple[float, float, float, float] | None = None
+    """A box instead of a city: west, south, east, north in degrees."""
+
+    point: tuple[float, float] | None = None
+    """A point instead of a city: latitude, longitude in degrees; see radius_m."""
+
+    radius_m: float | None = Field(default=None, gt=0, le=100_000)
+    """How far from a city's center, or from `point`, to look; else the city's own radius."""
+
+    folder: Path | None = None
+    """For the source "folder": where the pictures are. All of them are taken."""
+
+    license: str = ""
+    """For the source "folder": the pictures' license, as SPDX id ("CC-BY-4.0")."""
+
+    attribution: str = ""
+    """For the source "folder": whom to credit."""
+
+    count: int = Field(default=10, ge=1)
+    """How many panoramas to have of each place."""
+
+    min_distance_m: float = Field(default=25.0, ge=0)
+    """How far apart the panoramas of a place are at least."""
+
+    date_from: date | None = None
+    """Only pictures taken on this day or later."""
+
+    date_to: date | None = None
+    """Only pictures taken on this day or earlier."""
+
+    width_px: int = Field(default=4096, ge=256)
+    """The least width wanted; tile services send the first zoom that has it."""
+
+    zoom: int | None = Field(default=None, ge=0, le=5)
+    """A tile service's zoom, instead of width_px. Small panoramas have fewer zooms."""
+
+    allow_missing: bool = False
+    """Take panoramas of which some tiles cannot be had; what is missing is recorded."""
+
+    seed: int = 0
+    """Another seed looks at other points of the same place."""
+
+    endpoint: str = ""
+    """Another server of the same kind: your Panoramax instance, or a local look-alike."""
+
+    accept_terms: tuple[str, ...] = ()
+    """Sources whose terms you have read and accept: "google"."""
+
+    max_requests: int | None = Field(default=None, ge=0)
+    """Stop before sending more requests than this."""
+
+    max_cost_usd: float | None = Field(default=None, ge=0)
+    """Stop before spending more than this, by the price below."""
+
+    usd_per_1000_tiles: float = Field(default=2.0, ge=0)
+    """What Google charges beyond its free amount; look it up, prices change."""
+
+    requests_per_s: float = Field(default=20.0, gt=0)
+    """How fast to ask one host."""
+
+    concurrency: int = Field(default=8, ge=1, le=32)
+    """How many requests may be under way at once."""
+
+    dry_run: bool = False
+    """Only find out what there is, and report what fetching it would take."""
+
+    @field_validator("endpoint")
+    @classmethod
+    def _web_address(cls, endpoint: str) -> str:
+        if endpoint and not endpoint.startswith(("https://", "http://")):
+            raise ValueError(f"{endpoint!r} is not a web address; write https://...")
+        return endpoint.rstrip("/")
+
+    @field_validator("bbox")
+    @classmethod
+    def _box_in_order(
+        cls, bbox: tuple[float, float, float, float] | None
+    ) -> tuple[float, float, float, float] | None:
+        if bbox is not None:
+            west, south, east, north = bbox
+            if not (-180 <= west < east <= 180 and -90 <= south < north <= 90):
+                raise ValueError("a box is west, south, east, north in degrees, west < east")
+        return bbox
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "FetchSettings":
+        if self.date_from and self.date_to and self.date_from > self.date_to:
+            raise ValueError(f"date_from {self.date_from} is after date_to {self.date_to}")
+        if self.folder is not None and self.source != "folder":
+            raise ValueError('folder needs source = "folder"')
+        return self
