@@ -1,12 +1,12 @@
 """Holes in a panorama found and filled: missing tiles, the tripod or car below the camera.
 
-    stage     the stage: a panorama with holes -> one without
-    holes     where the holes are, each with how sure that is
-    nadir     the finder of caps around the point below the camera
-    face      a flat view around a hole, and the way back onto the sphere
-    fill      which filling suits a hole; blending it in
-    texture   ground: copies of what is around, joined where it shows least
-    membrane  sky: the smoothest surface through what is around
+stage     the stage: a panorama with holes -> one without
+holes     where the holes are, each with how sure that is
+nadir     the finder of caps around the point below the camera
+face      a flat view around a hole, and the way back onto the sphere
+fill      which filling suits a hole; blending it in
+texture   ground: copies of what is around, joined where it shows least
+membrane  sky: the smoothest surface through what is around
 """
 
 from typing import TYPE_CHECKING

@@ -71,7 +71,7 @@ def _looking_at(center: NDArray[np.floating]) -> Rotation:
     """The pose of a camera that looks at `center` with the horizon level."""
     x, y, z = np.asarray(center, np.float64) / np.linalg.norm(center)
     # Straight up or down the heading is free, and zero will do.
-    heading = np.arctan2(x, -z) if np.hypot(x, z) > 1e-6 else 0.0
+    heading = np.arctan2(x, -z) if np.hypot(x, z) > 1e-3 else 0.0
     return Rotation.from_heading_pitch_roll(float(heading), float(np.arcsin(np.clip(y, -1, 1))))
 
 

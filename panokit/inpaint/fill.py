@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.inpaint.face import Face, face_around, paste
+from panokit.inpaint.face import face_around, paste
 from panokit.inpaint.membrane import membrane
 from panokit.inpaint.texture import texture
 from panokit.sphere import equirect_directions, row_solid_angles
@@ -18,8 +18,6 @@ _SPECK = np.deg2rad(1.0)
 _LARGEST = np.deg2rad(50.0)
 # Mean size of the second difference, in gray levels, up to which surroundings are smooth.
 _SMOOTH_SKY = 1.2
-# How far the filling may be shifted, in gray levels, to meet the picture at its rim.
-_MOST_CORRECTION = 40.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,9 +81,12 @@ def fill_region(
     in_hole = face.view(hole.astype(np.uint8) * np.uint8(255)) > 0
     known = face.view(unknown.astype(np.uint8) * np.uint8(255)) == 0
     rim_px = max(rim * face.px_per_radian, 1.0)
-    away_px = cv2.distanceTransform((~in_hole).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    outside = (~in_hole).astype(np.uint8)
+    away_px = np.asarray(
+        cv2.distanceTransform(outside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE), np.float32
+    )
     filling, used = _filling(view, known, away_px, rim_px, region, method)
-    opacity = _fade(1 - away_px / rim_px)
+    opacity = _fade(np.asarray(1 - away_px / rim_px, np.float32))
     paste(picture, face, filling, opacity, hole, region.rows)
     return _record(region, used)
 
@@ -106,36 +107,8 @@ def _filling(
     if method == "texture" and _detail(view, known, away_px, region) > _SMOOTH_SKY:
         copied = texture(view, fixed)
         if copied is not None:
-            return _corrected(copied, view, known, fixed, rim_px), "texture"
+            return copied, "texture"
     return membrane(view.astype(np.float32), fixed), "membrane"
-
-
-def _corrected(
-    filling: NDArray[np.float32],
-    view: NDArray[np.uint8],
-    known: NDArray[np.bool_],
-    fixed: NDArray[np.bool_],
-    rim_px: float,
-) -> NDArray[np.float32]:
-    """The filling, shifted smoothly so that under the rim it is as bright as the picture.
-
-    A membrane through the differences under the rim, as in Poisson blending (Perez et al.
-    2003, "Poisson Image Editing", equation 11), on differences blurred to the rim's width so
-    that it carries the light and not the grain.
-    """
-    under_rim = known & ~fixed
-    if not under_rim.any():
-        return filling
-    weight = under_rim.astype(np.float32)
-    difference = (view.astype(np.float32) - filling) * weight[..., None]
-    sigma = max(rim_px, 2.0)
-    blurred_weight = cv2.GaussianBlur(weight, (0, 0), sigma)
-    blurred = cv2.GaussianBlur(difference, (0, 0), sigma)
-    blurred /= np.maximum(blurred_weight, 1e-4)[..., None]
-    np.clip(blurred, -_MOST_CORRECTION, _MOST_CORRECTION, out=blurred)
-    correction = membrane(blurred.astype(np.float32), under_rim | fixed)
-    correction[fixed] = 0
-    return np.clip(filling + correction, 0, 255)
 
 
 def _detail(
@@ -156,9 +129,9 @@ def _whole_sphere(picture: NDArray[np.uint8], unknown: NDArray[np.bool_]) -> NDA
     size = (width, width // 2)
     share = cv2.resize((~unknown).astype(np.float32), size, interpolation=cv2.INTER_AREA)
     known_pixels = picture.astype(np.float32) * (~unknown)[..., None]
-    means = cv2.resize(known_pixels, size, interpolation=cv2.INTER_AREA)
-    means /= np.maximum(share, 1e-6)[..., None]
-    smooth = membrane(means.astype(np.float32), share > 0.5, wraps=True)
+    sums = cv2.resize(known_pixels, size, interpolation=cv2.INTER_AREA)
+    means = np.asarray(sums / np.maximum(share, 1e-6)[..., None], np.float32)
+    smooth = membrane(means, np.asarray(share > 0.5), wraps=True)
     full = (picture.shape[1], picture.shape[0])
     larger = cv2.resize(smooth, full, interpolation=cv2.INTER_LINEAR)
     return np.clip(np.rint(larger), 0, 255).astype(np.uint8)

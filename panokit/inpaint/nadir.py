@@ -51,9 +51,7 @@ class NadirCap:
         return self.radius_deg <= _LARGEST_FILLED_DEG
 
 
-def find_nadir_cap(
-    pixels: NDArray[np.uint8], down: NDArray[np.floating]
-) -> NadirCap | None:
+def find_nadir_cap(pixels: NDArray[np.uint8], down: NDArray[np.floating]) -> NadirCap | None:
     """The cap around `down`, or None where nothing is plainly one.
 
     Args:
@@ -64,7 +62,8 @@ def find_nadir_cap(
     sectors = unrolled.reshape(len(unrolled), _SECTORS, -1, 3)
     found = [
         _ring(_color_change(sectors), "color"),
-        _ring(_sharpness_loss(sectors), "blur"),
+        # The loss shows once the window holds little of what is sharp: a little inside the edge.
+        _ring(_sharpness_loss(sectors), "blur", _SHARPNESS_RATIO * _SHARPNESS_WINDOW_DEG),
     ]
     caps = [cap for cap in found if cap is not None]
     return max(caps, key=lambda cap: (cap.confidence, cap.cue == "color"), default=None)
@@ -74,7 +73,8 @@ def _unrolled(pixels: NDArray[np.uint8], down: NDArray[np.floating]) -> NDArray[
     """The picture with the angle from `down` as rows and the azimuth around it as columns."""
     width = 4 * _COLUMNS
     if pixels.shape[1] > width:
-        pixels = cv2.resize(pixels, (width, width // 2), interpolation=cv2.INTER_AREA)
+        reduced = cv2.resize(pixels, (width, width // 2), interpolation=cv2.INTER_AREA)
+        pixels = np.asarray(reduced, np.uint8)
     angle = np.deg2rad((np.arange(int(_REACH_DEG / _ROW_DEG)) + 0.5) * _ROW_DEG)[:, None, None]
     around = (np.arange(_COLUMNS) / _COLUMNS * 2 * np.pi)[None, :, None]
     axis = np.asarray(down, np.float64) / np.linalg.norm(down)
@@ -123,18 +123,17 @@ def _window_means(
     return inside, outside
 
 
-def _ring(agreement: NDArray[np.float64], cue: str) -> NadirCap | None:
+def _ring(agreement: NDArray[np.float64], cue: str, shift_deg: float = 0.0) -> NadirCap | None:
+    """The outermost ring that enough directions agree on, as a cap; of a logo, the last ring."""
     first, last = round(_SMALLEST_DEG / _ROW_DEG), round(_LARGEST_DEG / _ROW_DEG)
-    agreement = agreement[:last]
-    candidates = np.flatnonzero(agreement >= _LEAST_AGREEMENT)
-    candidates = candidates[candidates >= first]
-    if not len(candidates):
+    agreeing = np.flatnonzero(agreement[first:last] >= _LEAST_AGREEMENT) + first
+    if not len(agreeing):
         return None
-    # Of several rings, as in a logo, the outermost ends the cap.
-    groups = np.split(candidates, np.flatnonzero(np.diff(candidates) > 1) + 1)
-    best = groups[-1][agreement[groups[-1]].argmax()]
+    edge = int(agreeing[-1])
+    # Rows in an unbroken run up to the edge all mean the same ring.
+    start = agreeing[np.flatnonzero(np.diff(agreeing, prepend=-9) > 1)[-1]]
     return NadirCap(
-        radius_deg=float(best * _ROW_DEG + _MARGIN_DEG),
+        radius_deg=float(edge * _ROW_DEG + shift_deg + _MARGIN_DEG),
         cue=cue,
-        confidence=float(agreement[best]),
+        confidence=float(agreement[start : edge + 1].max()),
     )

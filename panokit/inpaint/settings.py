@@ -12,7 +12,7 @@ VERSION = "1"
 class InpaintSettings(Settings):
     """Which holes are filled, and with what."""
 
-    nadir_deg: Annotated[float, Field(gt=0, le=60)] | Literal["auto"] | None = "auto"
+    nadir_deg: Annotated[float, Field(gt=0, le=50)] | Literal["auto"] | None = "auto"
     """Fill the cap of this angular radius below the camera; "auto" fills one only where a cap
     is plainly there, None never does."""
 

@@ -6,18 +6,29 @@ are exact, so a few fractions of a gray level can carry each pixel's own positio
 With these positions the copying is done again at the full size, with sharp results.
 """
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.inpaint.membrane import membrane
+from panokit.inpaint.seams import seam_correction
+
 _COARSE_PX = 224
 _SEED = 20260101
+_LEAST_KNOWN = 0.1
+_HIGHLIGHT = 240
+_MOST_HIGHLIGHTS = 0.08
 # Two channels carry the position as a fraction of half a gray level, centered on zero.
 _POSITION_SCALE = 1 / 1024
 
 
 def texture(picture: NDArray[np.uint8], known: NDArray[np.bool_]) -> NDArray[np.float32] | None:
     """The view with its unknown pixels replaced by copies of known ones.
+
+    Lamps and glints are smoothed away where they would come along: to a light probe a copied
+    highlight is a light that was never there.
 
     Args:
         picture: (N, N, 3) uint8, flat.
@@ -28,16 +39,33 @@ def texture(picture: NDArray[np.uint8], known: NDArray[np.bool_]) -> NDArray[np.
     """
     size = picture.shape[0]
     coarse_px = min(size, _COARSE_PX)
-    coarse = cv2.resize(picture, (coarse_px, coarse_px), interpolation=cv2.INTER_AREA)
-    share = cv2.resize(
-        known.astype(np.float32), (coarse_px, coarse_px), interpolation=cv2.INTER_AREA
-    )
-    coarse_known = share > 0.999
-    if coarse_known.mean() < 0.1:
+    coarse = _reduced(picture, coarse_px)
+    coarse_known = _reduced(known.astype(np.float32), coarse_px) > 0.999
+    if coarse_known.mean() < _LEAST_KNOWN:
         return None
-    column, row = _copied_from(coarse, coarse_known)
-    filled = _copy(picture.astype(np.float32), column, row)
-    return np.where(known[..., None], picture.astype(np.float32), filled)
+    column, row = _copied_from(coarse.astype(np.uint8), coarse_known)
+    correction = seam_correction(coarse.astype(np.float32), coarse_known, column, row)
+    marked = np.dstack([picture, 255 * _highlights(picture, known)]).astype(np.float32)
+    copied = _copy(marked, column, row)
+    filled = copied[..., :3] + cv2.resize(correction, (size, size), interpolation=cv2.INTER_LINEAR)
+    full = picture.astype(np.float32)
+    filled = np.where(known[..., None], full, np.clip(filled, 0, 255)).astype(np.float32)
+    return membrane(filled, known | (copied[..., 3] < 1))
+
+
+def _reduced(values: NDArray[Any], size_px: int) -> NDArray[Any]:
+    return np.asarray(cv2.resize(values, (size_px, size_px), interpolation=cv2.INTER_AREA))
+
+
+def _highlights(picture: NDArray[np.uint8], known: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Small bright spots with their glow, (N, N) bool; none where much of the view is bright."""
+    bright = (picture.min(axis=2) >= _HIGHLIGHT) & known
+    if bright.sum() > _MOST_HIGHLIGHTS * known.sum():
+        # That is a white wall or an overcast sky, not a lamp.
+        return np.zeros_like(bright)
+    reach = 2 * max(1, len(picture) // 64) + 1
+    glow = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
+    return np.asarray(cv2.dilate(bright.astype(np.uint8), glow) > 0)
 
 
 def _copied_from(
@@ -59,7 +87,11 @@ def _copied_from(
     )
     fraction = result[..., 1:] - np.rint(result[..., 1:])
     position = np.rint(fraction / _POSITION_SCALE).astype(np.int32) + size // 2
-    return position[..., 0], position[..., 1]
+    position = np.clip(position, 0, size - 1)
+    return (
+        np.where(known, column, position[..., 0]).astype(np.int32),
+        np.where(known, row, position[..., 1]).astype(np.int32),
+    )
 
 
 def _copy(
