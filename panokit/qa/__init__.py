@@ -5,7 +5,7 @@ verdicts      figures, limits, verdicts, and the report of one map
 radiometry    energy, dynamic range, clipping
 geometry      the wrap seam and the poles
 checks        the table of checks; `check` and `judge`
-compare       a map against the map it should be
+comparison    a map against the map it should be
 distribution  a map among maps of other places
 items         what to judge
 batch         `qa`: many maps, with references
@@ -19,7 +19,7 @@ from panokit.lazy import lazy_names
 if TYPE_CHECKING:
     from panokit.qa.batch import JudgedMap, QaResult, judge_item, qa
     from panokit.qa.checks import check, judge
-    from panokit.qa.compare import Comparison, compare
+    from panokit.qa.comparison import Comparison, compare
     from panokit.qa.items import QaItem, find_items
     from panokit.qa.report.write import write_report
     from panokit.qa.settings import QaSettings
@@ -29,7 +29,7 @@ __getattr__, __dir__, __all__ = lazy_names(
     __name__,
     {
         "Check": "panokit.qa.verdicts",
-        "Comparison": "panokit.qa.compare",
+        "Comparison": "panokit.qa.comparison",
         "JudgedMap": "panokit.qa.batch",
         "QaItem": "panokit.qa.items",
         "QaResult": "panokit.qa.batch",
@@ -37,7 +37,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "Report": "panokit.qa.verdicts",
         "Verdict": "panokit.qa.verdicts",
         "check": "panokit.qa.checks",
-        "compare": "panokit.qa.compare",
+        "compare": "panokit.qa.comparison",
         "find_items": "panokit.qa.items",
         "judge": "panokit.qa.checks",
         "judge_item": "panokit.qa.batch",

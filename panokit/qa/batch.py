@@ -11,7 +11,7 @@ from panokit.errors import ItemError, Rejection, UsageError
 from panokit.io import read_environment_map
 from panokit.provenance import Provenance
 from panokit.qa.checks import check
-from panokit.qa.compare import Comparison, compare
+from panokit.qa.comparison import Comparison, compare
 from panokit.qa.distribution import Standing, scale_free_figures, standings
 from panokit.qa.items import QaItem, find_maps
 from panokit.qa.settings import VERSION, QaSettings

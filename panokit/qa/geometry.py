@@ -27,11 +27,13 @@ def seam_step(envmap: EnvironmentMap) -> float:
     weights = row_solid_angles(envmap.height_px)
     reach = min(_NEIGHBORS, envmap.width_px // 4) + 1
     near = np.concatenate([stops[:, -reach - 1 :], stops[:, : reach + 1]], axis=1)
-    steps = np.abs(np.diff(near, axis=1))
-    mean_steps = (steps * weights[:, None]).sum(axis=0) / weights.sum()
-    middle = len(mean_steps) // 2
-    touching = mean_steps[middle - 1 : middle + 2]
-    beside = np.concatenate([mean_steps[: middle - 1], mean_steps[middle + 2 :]])
+    # The mean of roots, squared: a seam runs through most rows, while a lamp or a door frame
+    # that happens to stand there makes big steps in a few.
+    roots = np.sqrt(np.abs(np.diff(near, axis=1)))
+    typical_steps = ((roots * weights[:, None]).sum(axis=0) / weights.sum()) ** 2
+    middle = len(typical_steps) // 2
+    touching = typical_steps[middle - 1 : middle + 2]
+    beside = np.concatenate([typical_steps[: middle - 1], typical_steps[middle + 2 :]])
     return float(touching.max() / max(float(np.median(beside)), _LEAST_STEP_STOPS))
 
 

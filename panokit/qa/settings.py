@@ -32,7 +32,7 @@ class QaSettings(Settings):
     top_share_max: float = Field(0.99, ge=0, le=1)
     """Largest share of the energy in the brightest 0.1 % of the sphere."""
 
-    seam_max: float = Field(4.0, ge=0)
+    seam_max: float = Field(2.6, ge=0)
     """Largest step across the wrap seam, as a multiple of the steps between columns beside it."""
 
     pole_max: float = Field(8.0, ge=0)

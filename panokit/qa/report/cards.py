@@ -14,7 +14,7 @@ from panokit.frames import Frame
 from panokit.io import read_environment_map
 from panokit.provenance import Provenance
 from panokit.qa.batch import JudgedMap
-from panokit.qa.compare import Comparison
+from panokit.qa.comparison import Comparison
 from panokit.qa.distribution import Standing
 from panokit.qa.report import pictures
 from panokit.qa.report.html import Picture, format_figure, format_limit, picture
