@@ -23,7 +23,6 @@ _COMMANDS = {
     "expand": ("stages:expand", "Panoramas to HDR environment maps"),
     "qa": ("qa:qa", "Check maps, compare them with references, write a report"),
     "doctor": ("doctor:doctor", "What works on this machine, and how to mend what does not"),
-    "train": ("train:train", "Train a network from a recipe"),
 }
 _GROUPS = {
     "synthetic": (

@@ -17,7 +17,8 @@ from panokit.engine import Outcome, attempt
 from panokit.errors import ImageError, UsageError
 from panokit.expand import expand
 from panokit.expand.settings import VERSION as EXPAND_VERSION
-from panokit.expand.settings import ExpandSettings, is_baseline
+from panokit.expand.settings import ExpandSettings
+from panokit.expand.stage import ANALYTIC
 from panokit.inpaint import inpaint
 from panokit.inpaint.settings import VERSION as INPAINT_VERSION
 from panokit.inpaint.settings import InpaintSettings
@@ -66,7 +67,7 @@ class StageTask:
     def key(self) -> str:
         """The key of the result."""
         version, weights = _VERSIONS[self.stage], ""
-        if isinstance(self.settings, ExpandSettings) and not is_baseline(self.settings.model):
+        if isinstance(self.settings, ExpandSettings) and self.settings.model not in ANALYTIC:
             weights = find_model(self.settings.model).digest
         return stage_key(self.stage, version, self.settings.digest, self.inputs(), weights)
 

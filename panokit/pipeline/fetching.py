@@ -1,0 +1,109 @@
+"""The fetch stage of a run: progress, ledger, and a record that it is finished."""
+
+from typing import Any
+from urllib.parse import urlsplit
+
+from panokit.console import Console
+from panokit.errors import RecordError, Rejection
+from panokit.fetch import FetchEvent, FetchResult, FetchSettings, fetch
+from panokit.fetch.result import PERMANENT_REASONS
+from panokit.fetch.settings import VERSION
+from panokit.io.captures import RECORD, StoredCapture, read_capture
+from panokit.io.files import read_json, write_json
+from panokit.ledger import Ledger
+from panokit.pipeline.batch import BatchResult
+from panokit.provenance import digest_of
+from panokit.records import Receipt, RunFolder, stage_key
+
+SCHEMA = "panokit.fetch/1"
+_LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+
+def fetch_batch(settings: FetchSettings, run: RunFolder, console: Console) -> BatchResult:
+    """Fetch what the settings ask for, unless an earlier run finished doing so."""
+    key = _key(settings)
+    finished = _finished(run, key)
+    if finished is not None:
+        return finished
+    result = fetch_into(settings, run, console)
+    if not settings.dry_run:
+        write_json(
+            run.root / "fetch.json",
+            {
+                "schema": SCHEMA,
+                "key": key,
+                "captures": [stored.capture.key for stored in _all(result)],
+                "rejections": [rejection.to_json() for rejection in result.rejections],
+            },
+        )
+    fresh = {stored.capture.key for stored in result.stored}
+    return BatchResult(
+        stage="fetch",
+        receipts=tuple(_receipt(s, fresh=s.capture.key in fresh) for s in _all(result)),
+        rejections=result.rejections,
+    )
+
+
+def fetch_into(settings: FetchSettings, run: RunFolder, console: Console) -> FetchResult:
+    """Fetch into a run folder, with progress, log and ledger."""
+    ledger = Ledger(run.ledger)
+    known = {r.item for r in ledger.rejections("fetch") if r.reason in PERMANENT_REASONS}
+    places = max(1, len(settings.cities) + len(settings.places))
+    total = settings.count * places if settings.source != "folder" else None
+    with console.stage("fetch", None if settings.city_list else total) as tick:
+
+        def report(event: FetchEvent) -> None:
+            if event.kind in ("stored", "rejected"):
+                tick(rejected=event.kind == "rejected")
+            if event.kind in ("rejected", "short"):
+                console.note(f"fetch: {event.item}: {event.message}")
+            if not settings.dry_run:
+                run.log(f"fetch-{event.kind}", item=event.item, message=event.message)
+
+        result = fetch(settings, run.root, report=report, known=known)
+    if not settings.dry_run:
+        for rejection in result.verdicts:
+            ledger.add(rejection)
+        run.log("fetched", requests=result.requests, passed_over=dict(result.passed_over))
+    return result
+
+
+def _all(result: FetchResult) -> list[StoredCapture]:
+    stored = {s.capture.key: s for s in (*result.existing, *result.stored)}
+    return [stored[key] for key in sorted(stored)]
+
+
+def _key(settings: FetchSettings) -> str:
+    """What decides which pictures are fetched; a local look-alike may move to another port."""
+    asked = settings.model_dump(mode="json", exclude={"concurrency", "requests_per_s"})
+    if urlsplit(settings.endpoint).hostname in _LOOPBACK:
+        asked["endpoint"] = "loopback"
+    return stage_key("fetch", VERSION, digest_of(asked), [])
+
+
+def _finished(run: RunFolder, key: str) -> BatchResult | None:
+    """The outcome of an earlier run that was asked for the same, if it is all still there."""
+    try:
+        record: dict[str, Any] = read_json(run.root / "fetch.json")
+        if record["key"] != key:
+            return None
+        captures = [read_capture(run.captures / name) for name in record["captures"]]
+    except (RecordError, KeyError, TypeError):
+        return None
+    if not all((s.folder / name).is_file() for s in captures for name in s.files):
+        return None
+    return BatchResult(
+        stage="fetch",
+        receipts=tuple(_receipt(stored, fresh=False) for stored in captures),
+        rejections=tuple(Rejection(**rejection) for rejection in record["rejections"]),
+    )
+
+
+def _receipt(stored: StoredCapture, *, fresh: bool) -> Receipt:
+    return Receipt(
+        item=stored.capture.key,
+        stage="fetch",
+        path=stored.folder / RECORD,
+        key=digest_of([stored.capture.to_json(), dict(stored.files)]),
+        fresh=fresh,
+    )
