@@ -35,7 +35,7 @@ def _pull(
 ) -> NDArray[np.float32]:
     """Fill one level: from its own values as far as they have weight, the rest from the next."""
     height, width = weights.shape
-    if min(height, width) == 1 or weights.min() >= 1:
+    if height * width == 1 or weights.min() >= 1:
         return values
     share = _halved(weights)
     means = _halved(values * weights[..., None]) / np.maximum(share, 1e-6)[..., None]
@@ -48,7 +48,9 @@ def _pull(
 def _halved(values: NDArray[np.float32]) -> NDArray[np.float32]:
     height, width = values.shape[:2]
     size = (max(1, -(-width // 2)), max(1, -(-height // 2)))
-    return np.asarray(cv2.resize(values, size, interpolation=cv2.INTER_AREA), np.float32)
+    smaller = cv2.resize(values, size, interpolation=cv2.INTER_AREA)
+    # OpenCV drops the last axis where it has length one.
+    return np.asarray(smaller, np.float32).reshape(size[1], size[0], *values.shape[2:])
 
 
 def _enlarged(
