@@ -3,6 +3,7 @@ import hashlib
 import cv2
 import numpy as np
 import pytest
+
 from panokit.capture import TileGrid, local_capture
 from panokit.io.captures import StoredCapture
 

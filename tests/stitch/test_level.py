@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from panokit.capture import local_capture
 from panokit.frames import Frame, Rotation, angle_between
 from panokit.sphere import equirect_directions

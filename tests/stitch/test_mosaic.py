@@ -1,6 +1,7 @@
 import cv2
 import numpy as np
 import pytest
+
 from panokit.errors import ImageError
 from panokit.stitch.mosaic import mosaic
 

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from panokit.color import srgb_decode_u8
 from panokit.sphere import energy
 from panokit.stitch.reduce import Reducer

@@ -1,6 +1,7 @@
 import cv2
 import numpy as np
 import pytest
+
 from panokit.errors import ImageError, RecordError, SettingsError
 from panokit.frames import Frame
 from panokit.stitch import StitchSettings, stitch

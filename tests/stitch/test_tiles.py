@@ -1,6 +1,7 @@
 import cv2
 import numpy as np
 import pytest
+
 from panokit.capture import TileGrid
 from panokit.errors import ImageError
 from panokit.stitch.tiles import cell_from_name, cell_of, decode_tile, fit_tile
