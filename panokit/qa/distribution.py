@@ -1,7 +1,7 @@
 """Where a map lies among reference maps that show other places."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -31,13 +31,42 @@ def upper_share(envmap: EnvironmentMap) -> float | None:
     return float(luminance(energy(upper))) / total
 
 
-# All are free of scale: relative maps of any exposure can be compared.
-FIGURES: Mapping[str, tuple[str, Callable[[EnvironmentMap], float | None]]] = {
-    "dynamic-range": ("stops", dynamic_range_stops),
-    "top-share": ("", top_share),
-    "anisotropy": ("", anisotropy),
-    "upper-share": ("", upper_share),
-}
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figure:
+    """A figure that does not depend on a map's scale, so that any two maps compare."""
+
+    name: str
+    unit: str
+    meaning: str
+    of: Callable[[EnvironmentMap], float | None]
+
+
+FIGURES: tuple[Figure, ...] = (
+    Figure(
+        name="dynamic-range",
+        unit="stops",
+        meaning="From the median to the peak.",
+        of=dynamic_range_stops,
+    ),
+    Figure(
+        name="top-share",
+        unit="",
+        meaning="Energy from the brightest 0.1 % of the sphere.",
+        of=top_share,
+    ),
+    Figure(
+        name="anisotropy",
+        unit="",
+        meaning="0 for light from everywhere, 1 for one small lamp.",
+        of=anisotropy,
+    ),
+    Figure(
+        name="upper-share",
+        unit="",
+        meaning="Energy from above the horizon.",
+        of=upper_share,
+    ),
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,6 +77,7 @@ class Standing:
         name: Of the figure.
         value: Of the map.
         unit: Of value and limits.
+        meaning: What the figure says.
         percentile: The share of reference maps below it, 0 to 100; ties count half.
         low: The references' 5th percentile.
         median: The references' median.
@@ -57,6 +87,7 @@ class Standing:
     name: str
     value: float
     unit: str
+    meaning: str
     percentile: float
     low: float
     median: float
@@ -64,12 +95,12 @@ class Standing:
 
     def to_json(self) -> dict[str, Any]:
         """A dictionary for `json.dump`."""
-        return {name: getattr(self, name) for name in self.__slots__}
+        return {k: v for k, v in asdict(self).items() if k != "meaning"}
 
 
 def scale_free_figures(envmap: EnvironmentMap) -> dict[str, float | None]:
     """The figures of `FIGURES`, by name."""
-    return {name: measure(envmap) for name, (_, measure) in FIGURES.items()}
+    return {figure.name: figure.of(envmap) for figure in FIGURES}
 
 
 def standings(
@@ -83,18 +114,19 @@ def standings(
     """
     population = list(references)
     found = []
-    for name, (unit, _) in FIGURES.items():
-        value = figures.get(name)
-        others = np.array([v for r in population if (v := r.get(name)) is not None])
+    for figure in FIGURES:
+        value = figures.get(figure.name)
+        others = np.array([v for r in population if (v := r.get(figure.name)) is not None])
         if value is None or not len(others):
             continue
         below = np.count_nonzero(others < value) + 0.5 * np.count_nonzero(others == value)
         low, median, high = (float(p) for p in np.percentile(others, [5, 50, 95]))
         found.append(
             Standing(
-                name=name,
+                name=figure.name,
                 value=value,
-                unit=unit,
+                unit=figure.unit,
+                meaning=figure.meaning,
                 percentile=float(100 * below / len(others)),
                 low=low,
                 median=median,

@@ -65,9 +65,18 @@ class StandingRow:
 
     label: str
     value: str
+    meaning: str
     range: str
     place: str
     percent: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class View:
+    """A map as a whole: of the map that is judged, or of its reference."""
+
+    tonemapped: Picture
+    luminance: Picture
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,7 +105,8 @@ class Card:
     verdict: str
     subtitle: str
     summary: str
-    pictures: tuple[Picture, ...]
+    photographs: tuple[Picture, ...]
+    views: tuple[View, ...]
     bracket: tuple[Picture, ...]
     balls: tuple[BallRow, ...]
     checks: tuple[Row, ...]
@@ -124,7 +134,8 @@ def card_of(judged: JudgedMap, anchor: str) -> Card:
         verdict=str(judged.verdict),
         subtitle=_subtitle(judged.capture, envmap),
         summary=_summary(judged.report.failed if judged.report else ()),
-        pictures=_wide_pictures(judged, envmap, truth),
+        photographs=_photographs(judged),
+        views=_views(judged.item.name, envmap, truth),
         bracket=_bracket(judged.item.name, envmap),
         balls=_balls(judged.item.name, envmap, truth, comparison),
         checks=tuple(
@@ -152,32 +163,32 @@ def _truth(judged: JudgedMap) -> EnvironmentMap | None:
     return read_environment_map(comparison.path)
 
 
-def _wide_pictures(
-    judged: JudgedMap, envmap: EnvironmentMap, truth: EnvironmentMap | None
-) -> tuple[Picture, ...]:
-    name = judged.item.name
-    shown = [
-        *_photograph(judged.item.panorama_path, name, "Panorama, as stitched"),
-        *_photograph(judged.item.filled_path, name, "Holes filled"),
-    ]
-    for envmap_shown, what in ((envmap, "Light map"), (truth, "Reference")):
-        if envmap_shown is None:
-            continue
-        shown.append(
-            picture(
-                pictures.tonemapped(envmap_shown),
-                alt=f"{what} of {name}, tone mapped to show sources and shadows at once",
-                caption=f"{what}, tone mapped",
-            )
-        )
-        shown.append(
-            picture(
-                pictures.false_color(envmap_shown),
-                alt=f"{what} of {name}: luminance in false color, blue dark, red bright",
-                caption=f"{what}: luminance, in stops from its median",
-            )
-        )
-    return tuple(shown)
+def _photographs(judged: JudgedMap) -> tuple[Picture, ...]:
+    item = judged.item
+    return (
+        *_photograph(item.panorama_path, item.name, "Panorama, as stitched"),
+        *_photograph(item.filled_path, item.name, "Holes filled"),
+    )
+
+
+def _views(name: str, envmap: EnvironmentMap, truth: EnvironmentMap | None) -> tuple[View, ...]:
+    own = _view("Light map", name, envmap)
+    return (own,) if truth is None else (own, _view("Reference", name, truth))
+
+
+def _view(what: str, name: str, envmap: EnvironmentMap) -> View:
+    return View(
+        tonemapped=picture(
+            pictures.tonemapped(envmap),
+            alt=f"{what} of {name}, tone mapped to show sources and shadows at once",
+            caption=f"{what}, tone mapped",
+        ),
+        luminance=picture(
+            pictures.false_color(envmap),
+            alt=f"{what} of {name}: luminance in false color, blue dark, red bright",
+            caption=f"{what}: luminance, in stops from its median",
+        ),
+    )
 
 
 def _photograph(path: Path | None, name: str, caption: str) -> list[Picture]:
@@ -302,6 +313,7 @@ def _standing_row(standing: Standing) -> StandingRow:
     return StandingRow(
         label=label_of(standing.name),
         value=format_figure(standing.value, standing.unit),
+        meaning=standing.meaning,
         range=f"References: median {median}, nine in ten from {low} to {high}",
         place=f"above {standing.percentile:.0f} % of them",
         percent=f"{standing.percentile:.1f}",

@@ -1,0 +1,194 @@
+"""The report of a run: one file that asks nothing of anybody, and says what there is to say."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from panokit.errors import Rejection
+from panokit.io import write_environment_map, write_panorama
+from panokit.panorama import Panorama
+from panokit.qa import QaItem, find_items, qa, write_report
+
+REJECTIONS = [
+    Rejection(item="p-1", stage="stitch", reason="missing-tiles", message="9 of 32 are missing."),
+    Rejection(item="p-2", stage="stitch", reason="missing-tiles", message="8 of 32 are missing."),
+    Rejection(item="p-3", stage="fetch", reason="not-360", message="It covers <120> degrees."),
+]
+
+
+class Page(HTMLParser):
+    """What a browser would load, what it would show, and what a screen reader would say."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.loads, self.links, self.ids, self.images, self.words = [], [], [], [], []
+        self.stack = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        values = dict(attrs)
+        self.ids += [values["id"]] if "id" in values else []
+        if tag == "a":
+            self.links.append(values["href"])
+        else:
+            self.loads += [values[name] for name in ("src", "href", "srcset") if name in values]
+        if tag == "img":
+            self.images.append(values)
+        self.stack.append(tag)
+
+    def handle_data(self, data):
+        if self.stack and self.stack[-1] not in ("style", "script"):
+            self.words.append(data)
+
+    @property
+    def text(self):
+        return re.sub(r"\s+", " ", " ".join(self.words))
+
+
+@pytest.fixture
+def make_run(tmp_path, make_map):
+    def make(folder="run", names=("quay", "mill"), *, synthetic=True):
+        run = tmp_path / folder
+        run.mkdir()
+        (run / "run.json").write_text("{}")
+        for number, name in enumerate(names):
+            envmap = make_map(128, sun=3e4 / 10**number, key=name, synthetic=synthetic)
+            write_environment_map(envmap, run / "probes" / f"{name}.exr")
+            pixels = np.full((64, 128, 3), 90 + number, np.uint8)
+            panorama = Panorama(pixels=pixels, capture=envmap.capture)
+            write_panorama(panorama, run / "panoramas" / f"{name}.jpg")
+            write_panorama(panorama, run / "filled" / f"{name}.jpg")
+        return run
+
+    return make
+
+
+def report_of(run, out, **options):
+    path = write_report(qa(find_items([run])), out, **options)
+    return path, Page(path.read_text())
+
+
+def test_the_page_loads_nothing_from_anywhere(make_run, tmp_path):
+    path, page = report_of(make_run(), tmp_path / "qa")
+    assert page.loads
+    assert all(value.startswith("data:") for value in page.loads)
+    assert all(link.startswith("#") for link in page.links)
+    text = re.sub(r"base64,[A-Za-z0-9+/=]+", "", path.read_text())
+    assert "http" not in text
+    assert "url(" not in text
+    assert "@import" not in text
+
+
+def test_it_names_every_map_and_every_link_has_its_place(make_run, tmp_path):
+    _, page = report_of(make_run(), tmp_path / "qa", title="Harbor probes")
+    for name in ("quay", "mill"):
+        assert page.text.count(name) >= 2
+    assert "Harbor probes" in page.text
+    assert len(page.links) == 2
+    assert {link[1:] for link in page.links} <= set(page.ids)
+    assert len(page.ids) == len(set(page.ids))
+
+
+def test_each_map_has_its_pictures_each_with_words_and_a_size(make_run, tmp_path):
+    _, page = report_of(make_run(), tmp_path / "qa")
+    # Panorama, filled, tone mapped, luminance and its legend; four exposures; three balls.
+    assert len(page.images) == 2 * 12
+    described = [image for image in page.images if image["alt"]]
+    assert len(described) == 2 * 11
+    assert all(int(image["width"]) and int(image["height"]) for image in page.images)
+    for words in ("Panorama, as stitched: quay", "Holes filled: quay", "Mirror ball lit by quay"):
+        assert any(image["alt"] == words for image in page.images), words
+
+
+def test_it_tells_license_attribution_and_steps(make_run, tmp_path):
+    _, page = report_of(make_run(), tmp_path / "qa")
+    assert page.text.count("© A. Mapper") == 2
+    assert "CC-BY-SA-4.0" in page.text
+    assert "How it was made: expand" in page.text
+
+
+def test_it_counts_and_groups_rejections_and_escapes_what_they_say(make_run, tmp_path):
+    run = make_run()
+    (run / "probes/broken.exr").write_bytes(b"no map")
+    path, page = report_of(run, tmp_path / "qa", rejections=REJECTIONS)
+    numbers = re.findall(r"<dt>([^<]+)</dt><dd>(\d+)</dd>", path.read_text())
+    assert dict(numbers) == {
+        "light maps": "2", "pass every check": "2", "fail a check": "0", "rejected": "4",
+    }  # fmt: skip
+    assert re.search(r"missing-tiles in stitch 2 p-1 ?: 9 of 32", page.text)
+    assert "It covers <120> degrees." in page.text
+    assert "not-an-image" in page.text
+
+
+def test_it_says_that_synthetic_captures_are_no_photographs(make_run, tmp_path):
+    _, synthetic = report_of(make_run("a"), tmp_path / "qa-a")
+    _, real = report_of(make_run("b", synthetic=False), tmp_path / "qa-b")
+    said = "These panoramas are rendered by panokit's synthetic city, not photographs."
+    assert said in synthetic.text
+    assert "synthetic" not in real.text
+
+
+def test_a_failed_check_is_told_with_its_limit(make_run, make_map, tmp_path):
+    run = make_run(names=("quay",))
+    envmap = make_map(128, key="flat")
+    clipped = envmap.with_changes(radiance=np.minimum(envmap.radiance, np.float32(0.9)))
+    write_environment_map(clipped, run / "probes/flat.exr")
+    _, page = report_of(run, tmp_path / "qa")
+    assert re.search(r"Fails: .*dynamic range is [\d.]+ stops, allowed is 3 to 30", page.text)
+
+
+def test_beside_a_truth_it_shows_both_rows_of_balls_and_the_differences(make_run, tmp_path):
+    run = make_run()
+    result = qa(find_items([run]), reference=run / "probes")
+    page = Page(write_report(result, tmp_path / "qa").read_text())
+    assert any(i["alt"] == "Mirror ball lit by the reference of quay" for i in page.images)
+    assert "Irradiance error" in page.text
+    assert "Light direction" in page.text
+
+
+def test_the_same_maps_give_the_same_bytes_wherever_they_lie(make_run, tmp_path):
+    outputs = []
+    for folder in ("one", "two"):
+        path, _ = report_of(make_run(folder), tmp_path / f"qa-{folder}", rejections=REJECTIONS)
+        outputs.append((path.read_bytes(), (path.parent / "qa.json").read_bytes()))
+    assert outputs[0] == outputs[1]
+
+
+def test_qa_json_holds_the_figures(make_run, tmp_path):
+    report_of(make_run(), tmp_path / "qa", rejections=REJECTIONS)
+    record = json.loads((tmp_path / "qa/qa.json").read_text())
+    assert record["counts"] == {"maps": 2, "passed": 2, "failed": 0, "unreadable": 0}
+    assert [r["item"] for r in record["rejections"]] == ["p-1", "p-2", "p-3"]
+    checks = {c["name"]: c for c in record["maps"][0]["report"]["checks"]}
+    assert checks["dynamic-range"]["value"] > 3
+    assert checks["dynamic-range"]["low"] == 3.0
+
+
+def test_a_dozen_maps_with_texture_stay_under_five_megabytes(make_map, tmp_path):
+    rng = np.random.default_rng(0)
+    envmap = make_map(1024)
+    grain = rng.uniform(0.8, 1.25, envmap.radiance.shape).astype(np.float32)
+    write_environment_map(envmap.with_changes(radiance=envmap.radiance * grain), tmp_path / "a.exr")
+    pixels = rng.normal(120, 25, (512, 1024, 3)).clip(0, 255).astype(np.uint8)
+    for folder in (tmp_path, tmp_path / "filled"):
+        write_panorama(Panorama(pixels=pixels, capture=envmap.capture), folder / "b.jpg")
+    item = QaItem(
+        name="a",
+        map_path=tmp_path / "a.exr",
+        panorama_path=tmp_path / "b.jpg",
+        filled_path=tmp_path / "filled/b.jpg",
+    )
+    path = write_report(qa([item]), tmp_path / "qa")
+    assert 12 * path.stat().st_size < 5e6
+
+
+def test_a_run_without_any_map_left_has_a_page_of_its_rejections(make_run, tmp_path):
+    run = make_run(names=())
+    (run / "probes").mkdir()
+    (run / "probes/broken.exr").write_bytes(b"no map")
+    _, page = report_of(run, tmp_path / "qa")
+    assert "not-an-image" in page.text
+    assert not page.images
