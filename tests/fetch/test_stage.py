@@ -1,0 +1,234 @@
+"""The whole stage against the look-alike services, over real HTTP."""
+
+import threading
+
+import pytest
+
+from panokit.errors import LicenseError, NetworkError, QuotaError, StorageError
+from panokit.fetch import PlaceSettings, fetch
+from panokit.http import Client, Policy
+from panokit.io import read_capture
+from panokit.io.captures import RECORD
+from panokit.io.files import read_json
+from panokit.synthetic.faults import Faults, Trouble
+from tests.fetch.conftest import STREET, WIDTHS_PX, folders, google, panoramax
+
+SMALL = "pano-3328"
+NOWHERE = PlaceSettings(name="Nowhere", latitude_deg=-40, longitude_deg=-100)
+
+
+def tiles_asked(server) -> int:
+    return sum("/tiles/" in request.path for request in server.requests)
+
+
+def incomplete(out) -> list[str]:
+    return [name for name in folders(out) if not (out / "captures" / name / RECORD).exists()]
+
+
+def test_panoramax_pictures_are_stored_whole(server, tmp_path):
+    # The small half of the street: a JPEG of 16384 px would take most of the test's time.
+    near = PlaceSettings(name="End", latitude_deg=48.5025, longitude_deg=7.7, radius_m=100)
+    result = fetch(panoramax(server, places=(near,), count=2), tmp_path)
+    assert {one.capture.id for one in result.stored} == {"pano-5376", SMALL}
+    for one in result.stored:
+        stored = read_capture(one.folder)
+        assert stored.read("image.jpg").startswith(b"\xff\xd8")
+        assert stored.grid is None
+        assert stored.capture.place == "End"
+        assert stored.capture.license.id == "CC-BY-4.0"
+        assert read_json(one.folder / RECORD)["raw"]["id"] == stored.capture.id
+    assert server.violations == []
+
+
+def test_google_tiles_of_all_four_sizes(server, tmp_path):
+    result = fetch(google(server), tmp_path)
+    widths = {one.capture.width_px: one for one in result.stored}
+    assert set(widths) == set(WIDTHS_PX)
+    for width_px, one in widths.items():
+        stored = read_capture(one.folder)
+        assert len(stored.files) == stored.grid.columns * stored.grid.rows
+        assert all(stored.read(name) for name in stored.files)
+        assert (stored.capture.width_px, stored.grid.zoom) == (width_px, 2)
+        assert stored.capture.roll_deg == pytest.approx(-2.0)
+        assert stored.capture.license.id == "google-maps-platform"
+    assert tiles_asked(server) == sum(len(one.files) for one in result.stored)
+
+
+def test_a_second_run_asks_for_nothing(server, tmp_path):
+    first = fetch(google(server), tmp_path)
+    asked = len(server.requests)
+    second = fetch(google(server), tmp_path)
+    assert (second.stored, second.requests, len(server.requests)) == ((), 0, asked)
+    assert {one.capture.key for one in second.existing} == {one.capture.key for one in first.stored}
+
+
+def test_a_larger_count_keeps_what_is_there(server, tmp_path):
+    first = fetch(google(server, count=2), tmp_path)
+    more = fetch(google(server, count=4), tmp_path)
+    assert len(first.stored) == len(more.stored) == len(more.existing) == 2
+    assert len(folders(tmp_path)) == 4
+    at_once = fetch(google(server, count=4), tmp_path / "other")
+    assert [one.capture.id for one in at_once.stored][:2] == [
+        one.capture.id for one in first.stored
+    ]
+
+
+@pytest.mark.parametrize("kind", ["429", "429-body", "500", "html", "truncated"])
+def test_passing_troubles_leave_no_trace(server, tmp_path, kind):
+    calm = fetch(google(server), tmp_path / "calm")
+    server.set_faults(Faults(troubles=[Trouble(kind=kind, path="/tiles/", times=12)]))
+    rough = fetch(google(server), tmp_path / "rough")
+    assert [one.files for one in rough.stored] == [one.files for one in calm.stored]
+    assert rough.requests > calm.requests
+
+
+@pytest.mark.parametrize(
+    "faults",
+    [
+        Faults(edge_tiles="cropped", out_of_range="not-found"),
+        Faults(tile_body_px=256),
+        Faults(sparse_metadata=True),
+        Faults(session_lifetime_s=1.0),
+    ],
+    ids=["cropped edges", "small bodies", "sparse metadata", "short session"],
+)
+def test_odd_servers(server, tmp_path, faults):
+    server.set_faults(faults)
+    result = fetch(google(server), tmp_path)
+    assert len(result.stored) == 4
+    assert result.rejections == ()
+
+
+def test_a_small_tile_is_asked_for_once_more(server, tmp_path):
+    server.set_faults(Faults(tile_body_px=256))
+    result = fetch(google(server, count=1), tmp_path)
+    assert tiles_asked(server) == 2 * len(result.stored[0].files)
+
+
+def test_a_missing_tile_rejects_its_panorama(server, tmp_path):
+    server.set_faults(Faults(missing_tiles=frozenset({(2, 3, 1)})))
+    result = fetch(google(server), tmp_path)
+    # 5376 px are 1344 px at zoom 2: three columns, so that this picture never had the tile.
+    assert [one.capture.width_px for one in result.stored] == [5376]
+    assert len(result.rejections) == 3
+    lost = result.rejections[0]
+    assert (lost.reason, lost.stage, lost.values["cause"]) == ("missing-tile", "fetch", "not-found")
+    assert "tiles/3_1.jpg" in lost.message
+    assert result.verdicts == ()
+    assert incomplete(tmp_path) == []
+    assert lost.item not in folders(tmp_path)
+
+
+def test_or_becomes_a_hole_that_is_recorded(server, tmp_path):
+    server.set_faults(Faults(missing_tiles=frozenset({(2, 3, 1)})))
+    result = fetch(google(server, allow_missing=True), tmp_path)
+    assert result.rejections == ()
+    holes = {one.capture.width_px: read_capture(one.folder).grid.missing for one in result.stored}
+    assert holes == {16384: ((3, 1),), 13312: ((3, 1),), 5376: (), 3328: ((3, 1),)}
+
+
+@pytest.mark.parametrize("settings", [google, panoramax], ids=["google", "panoramax"])
+def test_a_retired_panorama_is_a_verdict_to_remember(server, tmp_path, settings):
+    server.set_faults(Faults(retired=frozenset({"pano-16384", "pano-13312", "pano-5376"})))
+    result = fetch(settings(server), tmp_path)
+    assert [one.capture.id for one in result.stored] == [SMALL]
+    verdicts = {one.item for one in result.verdicts}
+    assert len(verdicts) == 3
+    assert {one.reason for one in result.verdicts} == {"retired"}
+    again = fetch(settings(server, count=2), tmp_path, known=verdicts)
+    assert again.verdicts == ()
+
+
+def test_a_place_without_pictures_is_rejected_and_the_next_goes_on(server, tmp_path):
+    events = []
+    settings = google(server, places=(NOWHERE, STREET), count=5)
+    result = fetch(settings, tmp_path, report=events.append)
+    assert [(one.item, one.reason) for one in result.rejections] == [("Nowhere", "no-imagery")]
+    assert len(result.stored) == 4
+    assert [event.item for event in events if event.kind == "short"] == ["Nowhere", STREET.name]
+    assert [event.done for event in events if event.kind == "stored"] == [1, 2, 3, 4]
+
+
+def test_a_dry_run_says_what_it_would_take(server, tmp_path):
+    result = fetch(google(server, dry_run=True, usd_per_1000_tiles=2.0), tmp_path)
+    assert folders(tmp_path) == set()
+    assert tiles_asked(server) == 0
+    real = fetch(google(server), tmp_path)
+    tiles = sum(len(one.files) for one in real.stored)
+    assert (result.plan.panoramas, result.plan.files) == (4, tiles)
+    assert result.plan.cost_usd == pytest.approx(tiles * 0.002)
+    assert result.plan.days_at_quota == pytest.approx(tiles / 15000)
+    assert result.plan.bytes > 0
+    assert real.plan is None
+
+
+def test_the_budget_ends_a_run_between_panoramas(server, tmp_path):
+    with pytest.raises(QuotaError, match="max_requests"):
+        fetch(google(server, max_requests=25), tmp_path)
+    assert len(server.requests) <= 25
+    assert 1 <= len(folders(tmp_path)) < 4
+    assert incomplete(tmp_path) == []
+    rest = fetch(google(server), tmp_path)
+    assert len(rest.stored) + len(rest.existing) == 4
+
+
+def test_money_ends_a_run_too(server, tmp_path):
+    with pytest.raises(QuotaError, match="USD"):
+        fetch(google(server, max_cost_usd=0.03), tmp_path)
+    assert tiles_asked(server) * 0.002 <= 0.03
+    assert incomplete(tmp_path) == []
+
+
+def test_an_interrupt_leaves_whole_captures_only(server, tmp_path):
+    def interrupt(event):
+        if event.kind == "stored":
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fetch(google(server), tmp_path, report=interrupt)
+    assert len(folders(tmp_path)) == 1
+    assert incomplete(tmp_path) == []
+    assert not [one for one in threading.enumerate() if "panokit-fetch" in one.name]
+    assert len(fetch(google(server), tmp_path).stored) == 3
+
+
+def test_what_a_killed_run_left_is_replaced(server, tmp_path):
+    calm = fetch(google(server, count=1), tmp_path / "calm").stored[0]
+    left = tmp_path / "captures" / calm.capture.key / "tiles"
+    left.mkdir(parents=True)
+    (left / "0_0.jpg").write_bytes(b"half")
+    (left / "99_0.jpg.part").write_bytes(b"")
+    again = fetch(google(server, count=1), tmp_path).stored[0]
+    assert again.files == calm.files
+    assert {f"tiles/{path.name}" for path in left.iterdir()} == set(calm.files)
+
+
+def test_a_damaged_record_is_fetched_again(server, tmp_path):
+    one = fetch(google(server, count=1), tmp_path).stored[0]
+    (one.folder / RECORD).write_text("{")
+    again = fetch(google(server, count=1), tmp_path)
+    assert [other.files for other in again.stored] == [one.files]
+
+
+def test_nobody_answers(tmp_path, server):
+    settings = panoramax(server, endpoint="http://127.0.0.1:9")
+    impatient = Client(Policy(attempts=2, first_delay_s=0.01))
+    with impatient, pytest.raises(NetworkError, match="no connection"):
+        fetch(settings, tmp_path, client=impatient)
+
+
+def test_an_endpoint_of_another_kind(server, tmp_path):
+    with pytest.raises(NetworkError, match="Panoramax server"):
+        fetch(panoramax(server, endpoint=server.url + "/elsewhere"), tmp_path)
+
+
+def test_terms_come_before_any_request(server, tmp_path):
+    with pytest.raises(LicenseError, match="accept-terms"):
+        fetch(google(server, accept_terms=()), tmp_path)
+    assert server.requests == []
+
+
+def test_a_file_where_the_run_should_go(server, tmp_path):
+    (tmp_path / "run").write_text("")
+    with pytest.raises(StorageError):
+        fetch(google(server), tmp_path / "run")
