@@ -84,7 +84,7 @@ class Library:
         if not (folder / SHELF_NAME).is_dir():
             raise UsageError(
                 f"There is no probe library in {folder}. "
-                "Make one by adding maps: panokit probes add MAP... --library DIR."
+                "Make one by adding maps: panokit probes add LIBRARY MAP..."
             )
         return cls(folder)
 

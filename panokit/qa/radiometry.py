@@ -11,6 +11,7 @@ from panokit.sphere import energy, pixel_solid_angles, row_solid_angles
 _LEAST_PLATEAU_PX = 5
 _PLATEAU = 0.99
 _TOP_SHARE = 1e-3
+_LEDGER = "energy_after"
 
 
 def unphysical_values(envmap: EnvironmentMap) -> float:
@@ -28,12 +29,10 @@ def ledger_error(envmap: EnvironmentMap) -> float | None:
     """By how much the energy differs from what the last stage that recorded it wrote down.
 
     A stage records the sum of radiance x solid angle, per channel, of the map it hands on as
-    `energy` in the values of its step. The largest relative error of the channels counts.
+    `energy_after` in the values of its step. The largest relative error of the channels counts.
     """
-    recorded = next(
-        (s.values["energy"] for s in reversed(envmap.provenance.steps) if "energy" in s.values),
-        None,
-    )
+    newest_first = reversed(envmap.provenance.steps)
+    recorded = next((s.values[_LEDGER] for s in newest_first if _LEDGER in s.values), None)
     if recorded is None:
         return None
     expected = np.asarray(recorded, np.float64)

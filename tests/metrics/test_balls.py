@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from panokit.errors import UsageError
 from panokit.frames import direction_from_azimuth_elevation
 from panokit.metrics.balls import (

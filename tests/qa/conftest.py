@@ -33,7 +33,7 @@ def make_map():
             place="Sample City",
             details={"synthetic": True} if synthetic else {},
         )
-        step = Step(stage="expand", version="1", values={"energy": energy(radiance).tolist()})
+        step = Step(stage="expand", version="1", values={"energy_after": energy(radiance).tolist()})
         return EnvironmentMap(
             radiance=radiance,
             frame=Frame.WORLD,
