@@ -16,19 +16,23 @@ from panokit.provenance import digest_of
 from panokit.records import Receipt, RunFolder, stage_key
 
 SCHEMA = "panokit.fetch/1"
+_RECORD = "fetch.json"
 _LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 
 def fetch_batch(settings: FetchSettings, run: RunFolder, console: Console) -> BatchResult:
-    """Fetch what the settings ask for, unless an earlier run finished doing so."""
+    """Fetch what the settings ask for, unless an earlier run finished doing so.
+
+    A folder is always looked at again: it costs nothing, and may hold more by now.
+    """
     key = _key(settings)
-    finished = _finished(run, key)
+    finished = None if settings.source == "folder" else _finished(run, key)
     if finished is not None:
         return finished
     result = fetch_into(settings, run, console)
     if not settings.dry_run:
         write_json(
-            run.root / "fetch.json",
+            run.root / _RECORD,
             {
                 "schema": SCHEMA,
                 "key": key,
@@ -42,6 +46,12 @@ def fetch_batch(settings: FetchSettings, run: RunFolder, console: Console) -> Ba
         receipts=tuple(_receipt(s, fresh=s.capture.key in fresh) for s in _all(result)),
         rejections=result.rejections,
     )
+
+
+def forget_rejections(run: RunFolder) -> None:
+    """Let the next fetch ask again for what could not be had."""
+    Ledger(run.ledger).clear()
+    (run.root / _RECORD).unlink(missing_ok=True)
 
 
 def fetch_into(settings: FetchSettings, run: RunFolder, console: Console) -> FetchResult:
@@ -84,7 +94,7 @@ def _key(settings: FetchSettings) -> str:
 def _finished(run: RunFolder, key: str) -> BatchResult | None:
     """The outcome of an earlier run that was asked for the same, if it is all still there."""
     try:
-        record: dict[str, Any] = read_json(run.root / "fetch.json")
+        record: dict[str, Any] = read_json(run.root / _RECORD)
         if record["key"] != key:
             return None
         captures = [read_capture(run.captures / name) for name in record["captures"]]

@@ -8,9 +8,8 @@ from typing import Any
 from panokit.console import Console
 from panokit.engine import Engine, make_engine
 from panokit.errors import Rejection, UsageError
-from panokit.ledger import Ledger
 from panokit.pipeline.batch import BatchResult, run_batch
-from panokit.pipeline.fetching import fetch_batch
+from panokit.pipeline.fetching import fetch_batch, forget_rejections
 from panokit.pipeline.inputs import run_tasks
 from panokit.pipeline.judging import judge_run, keep_run
 from panokit.pipeline.settings import PipelineSettings
@@ -81,7 +80,7 @@ def run_pipeline(
     run.remove_leftovers()
     run.write_settings(settings.model_dump(mode="json", exclude={"output"}))
     if retry_rejected:
-        Ledger(run.ledger).clear()
+        forget_rejections(run)
     run.log("start", name=settings.name)
     steps = _steps(settings, run, console)
     last = STAGES.index(stop_after) if stop_after else len(STAGES) - 1
