@@ -65,9 +65,9 @@ class Panoramax:
         try:
             return self._client.send(request).body
         except ItemError as error:
-            if error.reason in ("not-found", "gone"):
-                error.reason = "retired"
-            raise
+            if error.reason not in ("not-found", "gone"):
+                raise
+            raise ItemError(str(error), reason="retired", values=error.values) from None
 
     def _search(self, bbox_deg: Bbox) -> Listing[Found]:
         params = {"bbox": ",".join(f"{value:.7f}" for value in bbox_deg), "limit": str(_LIMIT)}

@@ -87,7 +87,7 @@ class FetchSettings(Settings):
     endpoint: str = ""
     """Another server of the same kind: your Panoramax instance, or a local look-alike."""
 
-    accept_terms: tuple[str, ...] = ()
+    accept_terms: tuple[Literal["google"], ...] = ()
     """Sources whose terms you have read and accept: "google"."""
 
     max_requests: int | None = Field(default=None, ge=0)

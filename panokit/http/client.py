@@ -20,12 +20,13 @@ from panokit.http.limiter import RateLimiter
 from panokit.http.messages import Reply, Request, public_url
 from panokit.http.policy import Policy
 from panokit.http.redact import RedactingFilter, Redactor
-from panokit.http.transport import Transport
+from panokit.http.transport import NO_CONNECTION, Transport
 
 USER_AGENT = "panokit (+https://pypi.org/project/panokit/)"
 
 _log = logging.getLogger("panokit.http")
 _URLLIB3_LOG = "urllib3.connectionpool"
+_ATTEMPTS_TO_MEET = 3
 _LOOPBACK = {"127.0.0.1", "localhost", "::1"}
 
 
@@ -51,6 +52,7 @@ class Client:
         self._limiter = RateLimiter(self.policy.rate_per_s, self.policy.burst)
         self._transport = Transport(self.policy, self._redactor, user_agent)
         self._random = random.Random(self.policy.seed)
+        self._answered: set[str] = set()
         self._lock = threading.Lock()
         self._log_filter = RedactingFilter(self._redactor)
         logging.getLogger(_URLLIB3_LOG).addFilter(self._log_filter)
@@ -94,7 +96,7 @@ class Client:
             outcome = self._attempt(request)
             if isinstance(outcome, Reply):
                 return outcome
-            if not self._may_retry(outcome, attempt):
+            if not self._may_retry(host, outcome, attempt):
                 break
             self._hold(host, outcome, attempt)
             attempt += 1
@@ -125,6 +127,7 @@ class Client:
         """One exchange and the judgment of its reply."""
         outcome = self._transport.exchange(request)
         if isinstance(outcome, Reply):
+            self._answered.add(urlsplit(request.url).netloc)
             failure = failure_of_reply(
                 outcome.status, outcome.headers, outcome.body, datetime.now(UTC)
             ) or _body_failure(request, outcome.headers, outcome.body)
@@ -135,9 +138,13 @@ class Client:
         _log.info("%s: %s", public_url(request.url), outcome.message)
         return outcome
 
-    def _may_retry(self, failure: Failure, attempt: int) -> bool:
+    def _may_retry(self, host: str, failure: Failure, attempt: int) -> bool:
+        attempts = self.policy.attempts
+        if failure.reason == NO_CONNECTION and host not in self._answered:
+            # Rather a wrong address or no network at all than a hiccup: say so soon.
+            attempts = min(attempts, _ATTEMPTS_TO_MEET)
         is_patient = (failure.delay_s or 0) <= self.policy.max_delay_s
-        return failure.is_worth_retrying and is_patient and attempt < self.policy.attempts
+        return failure.is_worth_retrying and is_patient and attempt < attempts
 
     def _hold(self, host: str, failure: Failure, attempt: int) -> None:
         """Wait before the next attempt; a quota or a demanded delay holds every thread."""

@@ -22,6 +22,7 @@ from panokit.http.policy import Policy
 from panokit.http.redact import Redactor
 
 _log = logging.getLogger("panokit.http")
+NO_CONNECTION = "no-connection"
 _MAX_REDIRECTS = 5
 _CHUNK_BYTES = 1 << 16
 
@@ -55,9 +56,8 @@ class Transport:
             return _unreachable("bad-redirect", str(error))
         except (exceptions.RequestException, OSError) as error:
             # Told by its kind only: the text of these errors holds the whole URL.
-            return Failure(
-                kind=FailureKind.TRANSIENT, reason="network", message=_network_message(error)
-            )
+            reason, message = _network_trouble(error)
+            return Failure(kind=FailureKind.TRANSIENT, reason=reason, message=message)
 
     def close(self) -> None:
         """Close every connection."""
@@ -155,16 +155,17 @@ def _unreachable(reason: str, message: str) -> Failure:
     return Failure(kind=FailureKind.UNREACHABLE, reason=reason, message=message)
 
 
-def _network_message(error: Exception) -> str:
-    messages: list[tuple[type[Exception], str]] = [
-        (exceptions.ConnectTimeout, "the server does not answer"),
-        (exceptions.Timeout, "the server is too slow"),
-        (exceptions.ChunkedEncodingError, "the answer ended early"),
-        (exceptions.ContentDecodingError, "the answer is damaged or too large"),
-        (exceptions.ProxyError, "the proxy does not answer"),
-        (exceptions.ConnectionError, "no connection"),
+def _network_trouble(error: Exception) -> tuple[str, str]:
+    """The reason and the message of an exchange that broke off; the first match counts."""
+    troubles: list[tuple[type[Exception], str, str]] = [
+        (exceptions.ConnectTimeout, NO_CONNECTION, "the server does not answer"),
+        (exceptions.Timeout, "slow", "the server is too slow"),
+        (exceptions.ChunkedEncodingError, "truncated", "the answer ended early"),
+        (exceptions.ContentDecodingError, "damaged", "the answer is damaged or too large"),
+        (exceptions.ProxyError, NO_CONNECTION, "the proxy does not answer"),
+        (exceptions.ConnectionError, NO_CONNECTION, "no connection"),
     ]
-    return next(
-        (message for kind, message in messages if isinstance(error, kind)),
-        f"no connection ({type(error).__name__})",
-    )
+    for kind, reason, message in troubles:
+        if isinstance(error, kind):
+            return reason, message
+    return "network", f"no connection ({type(error).__name__})"

@@ -9,7 +9,7 @@ from panokit.fetch import PlaceSettings, fetch
 from panokit.http import Client, Policy
 from panokit.io import read_capture
 from panokit.io.captures import RECORD
-from panokit.io.files import read_json
+from panokit.io.files import read_json, write_bytes
 from panokit.synthetic.faults import Faults, Trouble
 from tests.fetch.conftest import STREET, WIDTHS_PX, folders, google, panoramax
 
@@ -226,6 +226,21 @@ def test_terms_come_before_any_request(server, tmp_path):
     with pytest.raises(LicenseError, match="accept-terms"):
         fetch(google(server, accept_terms=()), tmp_path)
     assert server.requests == []
+
+
+def test_a_full_disk_leaves_whole_captures_only(server, tmp_path, monkeypatch):
+    written = []
+
+    def write_a_few(path, data):
+        written.append(path)
+        if len(written) > 12:
+            raise StorageError("The disk is full.")
+        write_bytes(path, data)
+
+    monkeypatch.setattr("panokit.fetch.store.write_bytes", write_a_few)
+    with pytest.raises(StorageError, match="full"):
+        fetch(google(server), tmp_path)
+    assert incomplete(tmp_path) == []
 
 
 def test_a_file_where_the_run_should_go(server, tmp_path):

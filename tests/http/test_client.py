@@ -1,10 +1,12 @@
 """The client against a real server: what it retries, what it gives up, what it spends."""
 
 import time
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from email.utils import format_datetime
 
 import pytest
+
 from panokit.errors import AuthError, ItemError, NetworkError, QuotaError, UsageError
 from panokit.http import Budget, Client, Policy, Request
 from tests.http.conftest import Answer
@@ -146,6 +148,18 @@ def test_a_body_that_is_text_is_no_picture(server, quick):
 def test_nobody_there(quick):
     with Client(quick) as client, pytest.raises(NetworkError, match="no connection"):
         client.send(Request(url="http://127.0.0.1:9/thing"))
+
+
+def test_who_never_answered_is_given_up_soon_and_who_did_is_not(new_server, quick):
+    with Client(replace(quick, attempts=6)) as client:
+        with pytest.raises(NetworkError, match="after 3 attempts"):
+            client.send(Request(url="http://127.0.0.1:9/thing"))
+        server = new_server()
+        server.answers = [Answer(headers={"Connection": "close"})]
+        client.send(Request(url=server.url))
+        server.close()
+        with pytest.raises(NetworkError, match="after 6 attempts"):
+            client.send(Request(url=server.url))
 
 
 def test_a_slow_server_is_a_passing_trouble(new_server):

@@ -4,6 +4,7 @@ import threading
 import time
 
 import pytest
+
 from panokit.errors import NetworkError
 from panokit.http.limiter import RateLimiter
 

@@ -4,6 +4,7 @@ import logging
 import traceback
 
 import pytest
+
 from panokit.errors import PanokitError, UsageError
 from panokit.http import Client, Request
 from panokit.http.redact import Redactor
