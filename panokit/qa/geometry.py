@@ -59,5 +59,7 @@ def _stops(envmap: EnvironmentMap) -> NDArray[np.float32]:
     """Luminance in stops over its median, floored."""
     light = luminance(envmap.radiance)
     median = float(np.median(light)) or float(light.mean()) or 1.0
-    floor = np.float32(2.0**_FLOOR_STOPS)
-    return np.log2(np.maximum(light / np.float32(median), floor)).astype(np.float32)
+    # A difference of logarithms, where a quotient would overflow at the ends of float32.
+    floor = max(median * 2.0**_FLOOR_STOPS, float(np.finfo(np.float32).tiny))
+    stops = np.log2(np.maximum(light, np.float32(floor))) - np.log2(median)
+    return np.asarray(stops, np.float32)

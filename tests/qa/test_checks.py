@@ -30,6 +30,15 @@ def test_it_passes_at_any_heading(make_map, shift):
     assert failed(envmap.with_changes(radiance=np.roll(envmap.radiance, shift, axis=1))) == set()
 
 
+@pytest.mark.parametrize("scale", [1e-25, 1e-3, 1e3, 1e30])
+def test_figures_of_shape_do_not_depend_on_the_scale(make_map, scale):
+    envmap = make_map(128)
+    scaled = envmap.with_changes(radiance=envmap.radiance * np.float32(scale))
+    for name in ("dynamic-range", "top-share", "wrap-seam", "poles", "clipped-area"):
+        found = check(scaled).values[name]
+        assert found == pytest.approx(check(envmap).values[name], rel=1e-3), name
+
+
 @pytest.mark.parametrize("column", [0, -1])
 def test_a_seam_of_one_pixel_is_flagged(make_map, column):
     envmap = make_map()

@@ -2,6 +2,7 @@
 
 html      the page engine: templates, pictures as data URIs; knows nothing of QA
 pictures  what a map looks like: bracket, tone mapping, false color, balls
-cards     QA's results as the words and pictures of the page
+words     what QA found out, in words
+cards     a judged map as a card of the page
 write     `write_report`
 """

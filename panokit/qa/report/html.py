@@ -28,7 +28,7 @@ class Picture:
         height_px: Of the pixels.
         alt: What it shows, for those who cannot see it.
         caption: The line below it.
-        round: Whether it is cut to a disc.
+        disc: Whether it is cut to a disc.
     """
 
     uri: str
@@ -36,7 +36,7 @@ class Picture:
     height_px: int
     alt: str
     caption: str = ""
-    round: bool = False
+    disc: bool = False
 
 
 def picture(
@@ -45,7 +45,7 @@ def picture(
     alt: str,
     caption: str = "",
     quality: int = 80,
-    round: bool = False,
+    disc: bool = False,
 ) -> Picture:
     """A picture for the page from (H, W, 3) display-encoded pixels, as JPEG."""
     height, width = pixels.shape[:2]
@@ -56,7 +56,7 @@ def picture(
         height_px=height,
         alt=alt,
         caption=caption,
-        round=round,
+        disc=disc,
     )
 
 

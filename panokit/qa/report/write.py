@@ -11,8 +11,9 @@ from panokit.errors import ItemError, Rejection
 from panokit.io import write_bytes, write_json
 from panokit.qa.batch import JudgedMap, QaResult
 from panokit.qa.report import pictures
-from panokit.qa.report.cards import Card, card_of, label_of
+from panokit.qa.report.cards import Card, card_of
 from panokit.qa.report.html import format_figure, picture, render_page
+from panokit.qa.report.words import label_of
 
 REPORT_NAME = "report.html"
 JSON_NAME = "qa.json"

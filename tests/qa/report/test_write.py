@@ -103,6 +103,15 @@ def test_each_map_has_its_pictures_each_with_words_and_a_size(make_run, tmp_path
         assert any(image["alt"] == words for image in page.images), words
 
 
+def test_a_photograph_that_has_gone_does_not_cost_the_report(make_run, tmp_path):
+    run = make_run()
+    result = qa(find_items([run]))
+    (run / "panoramas/quay.jpg").unlink()
+    (run / "filled/quay.jpg").write_bytes(b"no picture")
+    page = Page(write_report(result, tmp_path / "qa").read_text())
+    assert len(page.images) == 2 * 12 - 2
+
+
 def test_it_tells_license_attribution_and_steps(make_run, tmp_path):
     _, page = report_of(make_run(), tmp_path / "qa")
     assert page.text.count("© A. Mapper") == 2
