@@ -34,8 +34,7 @@ class Found:
     @property
     def position_deg(self) -> LatLon | None:
         """(latitude, longitude), or None where it is not known."""
-        latitude, longitude = self.capture.latitude_deg, self.capture.longitude_deg
-        return None if latitude is None or longitude is None else (latitude, longitude)
+        return position_of(self.capture)
 
     def filed_under(self, place: str) -> "Found":
         """The same picture, as one of a city or area."""
@@ -47,6 +46,12 @@ class Found:
         if self.grid is None:
             return (f"image{self.suffix}",)
         return tuple(tile_name(column, row) for column, row in self.grid.cells())
+
+
+def position_of(capture: Capture) -> LatLon | None:
+    """Where a picture was taken, as (latitude, longitude), or None where it is not known."""
+    latitude, longitude = capture.latitude_deg, capture.longitude_deg
+    return None if latitude is None or longitude is None else (latitude, longitude)
 
 
 class Provider(Protocol):

@@ -8,7 +8,7 @@ from panokit.capture import Capture, TimePrecision
 from panokit.errors import Rejection
 from panokit.fetch.geodesy import LatLon, distance_m
 from panokit.fetch.places import Place
-from panokit.fetch.provider import Found, Provider
+from panokit.fetch.provider import Found, Provider, position_of
 from panokit.fetch.sampling import sample_points
 from panokit.fetch.settings import FetchSettings
 from panokit.io.captures import StoredCapture
@@ -44,11 +44,8 @@ class Selection:
         self._place = place
         self._on_disk = on_disk
         self._known = known
-        self._taken: list[LatLon] = [
-            (stored.capture.latitude_deg, stored.capture.longitude_deg)
-            for stored in on_disk.values()
-            if stored.capture.latitude_deg is not None and stored.capture.longitude_deg is not None
-        ]
+        positions = (position_of(stored.capture) for stored in on_disk.values())
+        self._taken = [position for position in positions if position is not None]
 
     def candidates(self, provider: Provider) -> Iterator[Found | Rejection]:
         """Wanted pictures and failed ones, one by one, until the place yields no more."""

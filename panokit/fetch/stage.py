@@ -8,7 +8,7 @@ from pathlib import Path
 
 from panokit.errors import Rejection
 from panokit.fetch.places import Place, places_of
-from panokit.fetch.provider import Found
+from panokit.fetch.provider import Found, position_of
 from panokit.fetch.result import EventKind, FetchEvent, FetchPlan, FetchResult
 from panokit.fetch.selection import Selection
 from panokit.fetch.settings import FetchSettings
@@ -100,7 +100,7 @@ class _Fetching:
         )
 
     def _run_place(self, place: Place | None) -> None:
-        existing = [] if place is None else self._filed_under(place.name)
+        existing = [] if place is None else self._already_there(place)
         missing = None if place is None else max(self._settings.count - len(existing), 0)
         if place is not None:
             self._tell("place", place.name, done=len(existing))
@@ -110,10 +110,10 @@ class _Fetching:
             candidates = _filed(selection.candidates(self._provider), place)
             bring = self._list if self._settings.dry_run else self._fetch
             fresh = bring(candidates, missing)
-        self._existing += existing or selection.met_again
+        self._existing += selection.met_again if place is None else existing
         self._passed_over.update(selection.passed_over)
         if place is not None and fresh < (missing or 0):
-            self._fall_short(place, len(existing) + fresh)
+            self._fall_short(place, len(existing) + fresh, selection.passed_over)
 
     def _fetch(self, candidates: Iterator[Found | Rejection], missing: int | None) -> int:
         """Fetch until none is missing; gives how many were stored."""
@@ -157,11 +157,13 @@ class _Fetching:
         self._rejections.append(rejection)
         self._tell("rejected", rejection.item, rejection.message)
 
-    def _fall_short(self, place: Place, have: int) -> None:
+    def _fall_short(self, place: Place, have: int, passed_over: Counter[str]) -> None:
         """Say that a place has fewer pictures than wanted; without any it is rejected."""
+        reasons = ", ".join(f"{count} {reason}" for reason, count in passed_over.most_common())
         message = (
-            f"{have} of {self._settings.count} panoramas found in {place.name}. Try a larger "
-            "radius, a smaller min_distance_m, or another source."
+            f"{have} of {self._settings.count} panoramas found in {place.name}"
+            f"{f' (passed over: {reasons})' if reasons else ''}. "
+            "Try a larger radius, a smaller min_distance_m, or another source."
         )
         self._tell("short", place.name, message, done=have)
         if have == 0:
@@ -169,12 +171,18 @@ class _Fetching:
                 Rejection(item=place.name, stage="fetch", reason="no-imagery", message=message)
             )
 
-    def _filed_under(self, place: str) -> list[StoredCapture]:
-        return [
-            stored
-            for stored in self._on_disk.values()
-            if stored.capture.place == place and stored.capture.provider == self._settings.source
-        ]
+    def _already_there(self, place: Place) -> list[StoredCapture]:
+        """The source's captures on disk that are of this place, whatever it was called."""
+        there = []
+        for stored in self._on_disk.values():
+            capture = stored.capture
+            point = position_of(capture)
+            is_inside = point is not None and place.contains(point)
+            if capture.provider == self._settings.source and (
+                is_inside or capture.place == place.name
+            ):
+                there.append(stored)
+        return there
 
     def _tell(self, kind: EventKind, item: str, message: str = "", **counts: int) -> None:
         if self._report is not None:

@@ -73,6 +73,20 @@ def test_a_larger_count_keeps_what_is_there(server, tmp_path):
     ]
 
 
+def test_a_place_by_another_name_is_the_same_place(server, tmp_path):
+    fetch(google(server), tmp_path)
+    renamed = google(server, places=(STREET.model_copy(update={"name": "The other name"}),))
+    assert len(fetch(renamed, tmp_path).existing) == 4
+
+
+def test_a_shortage_says_what_was_passed_over(server, tmp_path):
+    events = []
+    fetch(google(server, min_distance_m=5000), tmp_path, report=events.append)
+    (short,) = (event for event in events if event.kind == "short")
+    assert "1 of 4" in short.message
+    assert "3 too-close" in short.message
+
+
 @pytest.mark.parametrize("kind", ["429", "429-body", "500", "html", "truncated"])
 def test_passing_troubles_leave_no_trace(server, tmp_path, kind):
     calm = fetch(google(server), tmp_path / "calm")
