@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from panokit.capture import Capture, license_from_spdx
+from panokit.capture import Capture, license_from_spdx, local_capture
 from panokit.errors import ItemError, Rejection, SettingsError, StorageError
 from panokit.fetch.geodesy import LatLon
 from panokit.fetch.places import Place
@@ -48,7 +48,7 @@ class Folder:
                     )
                 yield found
             except ItemError as error:
-                yield Rejection.from_error(f"folder-{name}", "fetch", error)
+                yield Rejection.from_error(local_capture(name).key, "fetch", error)
 
     def read(self, found: Found, name: str) -> bytes:
         """The file as it is."""
