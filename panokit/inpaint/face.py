@@ -44,12 +44,12 @@ class Face:
         """At its center."""
         return float(self.size_px / (2 * np.tan(np.deg2rad(self.fov_deg) / 2)))
 
-    def view(self, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """A picture of the sphere, (H, W) or (H, W, 3) uint8, as this view shows it."""
+    def views(self, *pictures: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
+        """Pictures of the sphere, (H, W) or (H, W, 3) uint8, as this view shows them."""
         directions = perspective_directions(
             self.size_px, self.size_px, self.fov_deg, self.sphere_from_face
         )
-        return np.asarray(sample(picture, directions), np.uint8)
+        return [np.asarray(sample(picture, directions), np.uint8) for picture in pictures]
 
 
 def face_around(center: NDArray[np.floating], radius: float, width_px: int) -> Face:

@@ -73,13 +73,12 @@ def fill_region(
         The record: method, where, and how large.
     """
     region = region_of(hole, rim)
-    face = face_around(region.center, region.radius + rim, picture.shape[1])
     if region.radius > _LARGEST:
         picture[hole] = _whole_sphere(picture, unknown)[hole]
         return _record(region, "membrane")
-    view = face.view(picture)
-    in_hole = face.view(hole.astype(np.uint8) * np.uint8(255)) > 0
-    known = face.view(unknown.astype(np.uint8) * np.uint8(255)) == 0
+    face = face_around(region.center, region.radius + rim, picture.shape[1])
+    view, hole_share, unknown_share = face.views(picture, _as_bytes(hole), _as_bytes(unknown))
+    in_hole, known = hole_share > 0, unknown_share == 0
     rim_px = max(rim * face.px_per_radian, 1.0)
     outside = (~in_hole).astype(np.uint8)
     away_px = np.asarray(
@@ -135,6 +134,10 @@ def _whole_sphere(picture: NDArray[np.uint8], unknown: NDArray[np.bool_]) -> NDA
     full = (picture.shape[1], picture.shape[0])
     larger = cv2.resize(smooth, full, interpolation=cv2.INTER_LINEAR)
     return np.clip(np.rint(larger), 0, 255).astype(np.uint8)
+
+
+def _as_bytes(mask: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    return np.asarray(mask * np.uint8(255), np.uint8)
 
 
 def _fade(level: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -11,6 +11,7 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
 from panokit.inpaint.membrane import membrane
 from panokit.inpaint.seams import seam_correction
@@ -45,12 +46,23 @@ def texture(picture: NDArray[np.uint8], known: NDArray[np.bool_]) -> NDArray[np.
         return None
     column, row = _copied_from(coarse.astype(np.uint8), coarse_known)
     correction = seam_correction(coarse.astype(np.float32), coarse_known, column, row)
+    light = np.asarray(cv2.resize(correction, (size, size), interpolation=cv2.INTER_LINEAR))
     marked = np.dstack([picture, 255 * _highlights(picture, known)]).astype(np.float32)
-    copied = _copy(marked, column, row)
-    filled = copied[..., :3] + cv2.resize(correction, (size, size), interpolation=cv2.INTER_LINEAR)
-    full = picture.astype(np.float32)
-    filled = np.where(known[..., None], full, np.clip(filled, 0, 255)).astype(np.float32)
-    return membrane(filled, known | (copied[..., 3] < 1))
+    box = _bounds(~known)
+    copied = _copy(marked, column, row, box)
+    filled = picture.astype(np.float32)
+    patch = np.clip(copied[..., :3] + light[box], 0, 255)
+    patch = np.where(known[box][..., None], filled[box], patch).astype(np.float32)
+    filled[box] = membrane(patch, known[box] | (copied[..., 3] < 1))
+    return filled
+
+
+def _bounds(mask: NDArray[np.bool_]) -> tuple[slice, slice]:
+    """The smallest box of rows and columns with every True in it."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    if not len(rows):
+        return slice(0, 0), slice(0, 0)
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
 
 
 def _reduced(values: NDArray[Any], size_px: int) -> NDArray[Any]:
@@ -63,9 +75,8 @@ def _highlights(picture: NDArray[np.uint8], known: NDArray[np.bool_]) -> NDArray
     if bright.sum() > _MOST_HIGHLIGHTS * known.sum():
         # That is a white wall or an overcast sky, not a lamp.
         return np.zeros_like(bright)
-    reach = 2 * max(1, len(picture) // 64) + 1
-    glow = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
-    return np.asarray(cv2.dilate(bright.astype(np.uint8), glow) > 0)
+    reach = 2 * max(1, len(picture) // 32) + 1
+    return np.asarray(cv2.dilate(bright.astype(np.uint8), np.ones((reach, reach))) > 0)
 
 
 def _copied_from(
@@ -73,17 +84,19 @@ def _copied_from(
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """The column and row that each pixel of the small view is copied from."""
     size = len(coarse)
+    # A small pixel's copy reaches half a pixel over its edge, and no unknown may be there.
+    source = cv2.erode(known.astype(np.uint8), np.ones((3, 3))) > 0
     # Lab, because the shift map compares channels as if all counted the same.
     coded = cv2.cvtColor(coarse, cv2.COLOR_RGB2LAB).astype(np.float32)
     row, column = np.mgrid[:size, :size]
     coded[..., 1] += (column - size // 2) * _POSITION_SCALE
     coded[..., 2] += (row - size // 2) * _POSITION_SCALE
-    coded[~known] = 0
+    coded[~source] = 0
     result = np.zeros_like(coded)
     # Its search is randomized; the same seed gives the same filling.
     cv2.setRNGSeed(_SEED)
     cv2.xphoto.inpaint(
-        coded, np.where(known, 255, 0).astype(np.uint8), result, cv2.xphoto.INPAINT_SHIFTMAP
+        coded, np.where(source, 255, 0).astype(np.uint8), result, cv2.xphoto.INPAINT_SHIFTMAP
     )
     fraction = result[..., 1:] - np.rint(result[..., 1:])
     position = np.rint(fraction / _POSITION_SCALE).astype(np.int32) + size // 2
@@ -95,36 +108,46 @@ def _copied_from(
 
 
 def _copy(
-    picture: NDArray[np.float32], column: NDArray[np.int32], row: NDArray[np.int32]
+    picture: NDArray[np.float32],
+    column: NDArray[np.int32],
+    row: NDArray[np.int32],
+    box: tuple[slice, slice],
 ) -> NDArray[np.float32]:
-    """Copy at the full size with the shifts found at the small one.
+    """Copy a box of the view at full size, with the shifts found at the small one.
 
     Each pixel blends the copies that the four nearest small pixels ask for: inside a patch
     they agree and the copy is exact, where patches meet they fade into one another.
     """
-    size, coarse_px = len(picture), len(column)
-    scale = size / coarse_px
-    own_row, own_column = np.mgrid[:coarse_px, :coarse_px]
-    shift_x = ((column - own_column) * scale).astype(np.float32)
-    shift_y = ((row - own_row) * scale).astype(np.float32)
-    full_row, full_column = np.mgrid[:size, :size].astype(np.float32)
-    position = (np.arange(size, dtype=np.float32) + 0.5) / scale - 0.5
-    first = np.floor(position).astype(int)
-    share = position - first
-    total = np.zeros_like(picture)
-    for down in (0, 1):
-        at_row = np.clip(first + down, 0, coarse_px - 1)
-        weight_y = share if down else 1 - share
-        for right in (0, 1):
-            at_column = np.clip(first + right, 0, coarse_px - 1)
-            weight_x = share if right else 1 - share
+    scale = len(picture) / len(column)
+    own_row, own_column = np.mgrid[: len(row), : len(column)]
+    stays = (column == own_column) & (row == own_row)
+    # A pixel at the rim has neighbors that stay, and must not stay with them.
+    to_row, to_column = distance_transform_edt(stays, return_distances=False, return_indices=True)
+    # Whole pixels, so that nothing is softened on the way.
+    shift_x = np.rint((column - own_column) * scale).astype(np.float32)[to_row, to_column]
+    shift_y = np.rint((row - own_row) * scale).astype(np.float32)[to_row, to_column]
+    full_row, full_column = np.mgrid[box].astype(np.float32)
+    total = np.zeros((*full_row.shape, picture.shape[2]), np.float32)
+    for at_row, weight_y in _nearest_two(box[0], scale, len(row)):
+        for at_column, weight_x in _nearest_two(box[1], scale, len(column)):
             chosen = np.ix_(at_row, at_column)
             copy = cv2.remap(
                 picture,
                 full_column + shift_x[chosen],
                 full_row + shift_y[chosen],
-                cv2.INTER_LINEAR,
+                cv2.INTER_NEAREST,
                 borderMode=cv2.BORDER_REPLICATE,
             )
             total += copy * (weight_y[:, None] * weight_x[None, :])[..., None]
     return total
+
+
+def _nearest_two(
+    pixels: slice, scale: float, coarse_px: int
+) -> list[tuple[NDArray[np.intp], NDArray[np.float32]]]:
+    """Along one axis, the two small pixels nearest to each pixel, with their linear weights."""
+    position = (np.arange(pixels.start, pixels.stop) + 0.5) / scale - 0.5
+    first = np.floor(position).astype(np.intp)
+    share = (position - first).astype(np.float32)
+    last = coarse_px - 1
+    return [(np.clip(first, 0, last), 1 - share), (np.clip(first + 1, 0, last), share)]

@@ -19,7 +19,7 @@ def test_the_view_shows_the_whole_hole(azimuth, elevation, radius):
     face = face_around(center, radius, WIDTH)
     away = np.arccos(np.clip(equirect_directions(WIDTH, WIDTH // 2) @ center, -1, 1))
     hole = away < radius
-    seen = face.view(hole.astype(np.uint8) * np.uint8(255))
+    (seen,) = face.views(hole.astype(np.uint8) * np.uint8(255))
     border = np.concatenate([seen[0], seen[-1], seen[:, 0], seen[:, -1]])
     assert border.max() == 0
     assert not hole.any() or seen.max() > 0
@@ -30,7 +30,7 @@ def test_what_is_pasted_back_unchanged_changes_next_to_nothing(center):
     slope = equirect_directions(WIDTH, WIDTH // 2) @ np.array([[60.0, 20, -30]] * 3).T
     smooth = (120 + slope).astype(np.uint8)
     face = face_around(np.array(center, float), 0.4, WIDTH)
-    view = face.view(smooth).astype(np.float32)
+    view = face.views(smooth)[0].astype(np.float32)
     y, x = np.mgrid[: face.size_px, : face.size_px] - face.size_px / 2
     opacity = (np.hypot(x, y) < 0.35 * face.size_px).astype(np.float32)
     result = smooth.copy()

@@ -54,6 +54,16 @@ def test_the_same_hole_is_filled_in_the_same_way():
     assert np.array_equal(first, texture(picture, ~hole))
 
 
+def test_what_is_in_the_hole_is_not_copied_anywhere():
+    picture = gravel(448)
+    hole = disc(448, 70)
+    hole[40:90, 200:240] = True
+    picture[hole] = (255, 0, 255)
+    filled = texture(picture, ~hole)
+    magenta = (filled[..., 0] + filled[..., 2]) / 2 - filled[..., 1]
+    assert magenta[hole].max() < 30
+
+
 def test_a_lamp_is_never_copied():
     picture = gravel(128)
     for x, y in ((16, 20), (100, 24), (108, 100), (20, 104), (64, 12), (64, 114)):
