@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.capture import Capture
+from panokit.equirectangular import check_equirectangular, read_only
 from panokit.errors import ImageError
 from panokit.frames import Frame
-from panokit.panorama import check_equirectangular
 from panokit.provenance import Provenance
 
 
@@ -50,7 +50,7 @@ class EnvironmentMap:
     provenance: Provenance = field(default_factory=Provenance)
 
     def __post_init__(self) -> None:
-        radiance = np.asarray(self.radiance).view()
+        radiance = read_only(self.radiance)
         if radiance.dtype != np.float32:
             raise ImageError(
                 f"Radiance is float32, not {radiance.dtype}. Decode display values with "
@@ -59,7 +59,6 @@ class EnvironmentMap:
             )
         check_equirectangular(radiance)
         _check_physical(radiance)
-        radiance.setflags(write=False)
         object.__setattr__(self, "radiance", radiance)
 
     @property

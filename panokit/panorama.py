@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.capture import Capture
+from panokit.equirectangular import check_equirectangular, read_only
 from panokit.errors import ImageError
 from panokit.frames import Frame
 from panokit.provenance import Provenance
@@ -34,7 +35,7 @@ class Panorama:
     provenance: Provenance = field(default_factory=Provenance)
 
     def __post_init__(self) -> None:
-        pixels = _read_only(self.pixels)
+        pixels = read_only(self.pixels)
         if pixels.dtype != np.uint8:
             raise ImageError(
                 f"A panorama holds uint8 pixels, not {pixels.dtype}. "
@@ -44,7 +45,7 @@ class Panorama:
         check_equirectangular(pixels)
         object.__setattr__(self, "pixels", pixels)
         if self.valid is not None:
-            valid = _read_only(self.valid)
+            valid = read_only(self.valid)
             if valid.shape != pixels.shape[:2] or valid.dtype != np.bool_:
                 raise ImageError(
                     f"The valid mask is {valid.dtype} {valid.shape}; it must be bool "
@@ -66,36 +67,3 @@ class Panorama:
     def with_changes(self, **changes: Any) -> "Panorama":
         """The same panorama with some fields replaced."""
         return replace(self, **changes)
-
-
-def check_equirectangular(pixels: NDArray[Any]) -> None:
-    """Check that an array is (H, W, 3) with W == 2 H, and big enough to be a picture.
-
-    Raises:
-        ImageError: If not, with the sizes and what to do.
-    """
-    if pixels.ndim != 3 or pixels.shape[2] != 3:
-        raise ImageError(
-            f"Expected RGB pixels of shape (H, W, 3), got {pixels.shape}.", reason="wrong-channels"
-        )
-    height, width = pixels.shape[:2]
-    if width != 2 * height:
-        raise ImageError(
-            f"An equirectangular picture is twice as wide as high; this one is {width}x{height}. "
-            "Crop or pad it to 2:1 first.",
-            reason="not-equirectangular",
-            values={"width_px": width, "height_px": height},
-        )
-    if height < 8:
-        raise ImageError(
-            f"{width}x{height} is too small for a spherical picture; 16x8 is the least.",
-            reason="too-small",
-            values={"width_px": width, "height_px": height},
-        )
-
-
-def _read_only(array: NDArray[Any]) -> NDArray[Any]:
-    """A read-only view; a view, so that the caller's own array stays writable."""
-    view = np.asarray(array).view()
-    view.setflags(write=False)
-    return view

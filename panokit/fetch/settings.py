@@ -2,8 +2,9 @@
 
 from datetime import date
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
+from cyclopts import Parameter
 from pydantic import Field, field_validator, model_validator
 
 from panokit.settings import Settings
@@ -33,7 +34,7 @@ class FetchSettings(Settings):
     source: Literal["panoramax", "google-tiles", "folder"] = "panoramax"
     """Where from. Panoramax is open and needs no key; read the licenses of the others."""
 
-    cities: tuple[str, ...] = ()
+    cities: Annotated[tuple[str, ...], Parameter(alias="--city")] = ()
     """Cities by name, with a country code where the name is not unique: "Bristol, GB"."""
 
     city_list: Path | None = None
@@ -93,7 +94,7 @@ class FetchSettings(Settings):
     max_requests: int | None = Field(default=None, ge=0)
     """Stop before sending more requests than this."""
 
-    max_cost_usd: float | None = Field(default=None, ge=0)
+    max_cost_usd: Annotated[float | None, Parameter(alias="--max-cost")] = Field(default=None, ge=0)
     """Stop before spending more than this, by the price below."""
 
     usd_per_1000_tiles: float = Field(default=2.0, ge=0)

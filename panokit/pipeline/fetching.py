@@ -30,7 +30,7 @@ def fetch_batch(settings: FetchSettings, run: RunFolder, console: Console) -> Ba
     if finished is not None:
         return finished
     result = fetch_into(settings, run, console)
-    if not settings.dry_run:
+    if not settings.dry_run and _is_final(result):
         write_json(
             run.root / _RECORD,
             {
@@ -76,6 +76,12 @@ def fetch_into(settings: FetchSettings, run: RunFolder, console: Console) -> Fet
             ledger.add(rejection)
         run.log("fetched", requests=result.requests, passed_over=dict(result.passed_over))
     return result
+
+
+def _is_final(result: FetchResult) -> bool:
+    """Whether asking again would bring the same; a passing failure is tried again."""
+    final = PERMANENT_REASONS | {"no-imagery"}
+    return all(rejection.reason in final for rejection in result.rejections)
 
 
 def _all(result: FetchResult) -> list[StoredCapture]:

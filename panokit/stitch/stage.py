@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.equirectangular import check_equirectangular
 from panokit.errors import ImageError
 from panokit.frames import Frame
 from panokit.io.captures import StoredCapture
 from panokit.io.images import decode_image
-from panokit.panorama import Panorama, check_equirectangular
+from panokit.panorama import Panorama
 from panokit.provenance import Provenance, Step, digest_of
 from panokit.stitch.level import leveling_from, turn
 from panokit.stitch.mosaic import mosaic

@@ -69,7 +69,7 @@ def test_bad_pictures_are_named_and_the_good_one_is_done(folder, tmp_path, capsy
         (["qa", "nowhere", "--out", "o"], 2, "nowhere"),
         (["run", "nowhere.toml"], 4, "Check the path"),
         (["probes", "list", "nowhere"], 2, "no probe library in nowhere"),
-        (["fetch", "--out", "o"], 2, "city"),
+        (["fetch", "--out", "o"], 2, "Say where to look"),
         (["fetch", "--out", "o", "--cities", "Strassburgg"], 2, "Strasbourg"),
         (["fetch", "--out", "o", "--cities", "Lyon", "--source", "google-tiles"], 10, "google"),
     ],
