@@ -47,10 +47,13 @@ def texture(picture: NDArray[np.uint8], known: NDArray[np.bool_]) -> NDArray[np.
     column, row = _copied_from(coarse.astype(np.uint8), coarse_known)
     correction = seam_correction(coarse.astype(np.float32), coarse_known, column, row)
     light = np.asarray(cv2.resize(correction, (size, size), interpolation=cv2.INTER_LINEAR))
-    marked = np.dstack([picture, 255 * _highlights(picture, known)]).astype(np.float32)
     box = _bounds(~known)
-    copied = _copy(marked, column, row, box)
     filled = picture.astype(np.float32)
+    # A small pixel's copy may reach over its edge into a hole, where nothing odd may be then.
+    filled[box] = membrane(filled[box], known[box])
+    copied = _copy(
+        np.dstack([filled, np.float32(255) * _highlights(picture, known)]), column, row, box
+    )
     patch = np.clip(copied[..., :3] + light[box], 0, 255)
     patch = np.where(known[box][..., None], filled[box], patch).astype(np.float32)
     filled[box] = membrane(patch, known[box] | (copied[..., 3] < 1))
@@ -70,13 +73,18 @@ def _reduced(values: NDArray[Any], size_px: int) -> NDArray[Any]:
 
 
 def _highlights(picture: NDArray[np.uint8], known: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Small bright spots with their glow, (N, N) bool; none where much of the view is bright."""
+    """Bright spots with their glow, (N, N) bool; none where much of the view is bright.
+
+    Single bright pebbles are no lamps.
+    """
     bright = (picture.min(axis=2) >= _HIGHLIGHT) & known
     if bright.sum() > _MOST_HIGHLIGHTS * known.sum():
         # That is a white wall or an overcast sky, not a lamp.
         return np.zeros_like(bright)
-    reach = 2 * max(1, len(picture) // 32) + 1
-    return np.asarray(cv2.dilate(bright.astype(np.uint8), np.ones((reach, reach))) > 0)
+    speck = np.ones((max(1, len(picture) // 200),) * 2)
+    glow = np.ones((2 * max(1, len(picture) // 40) + 1,) * 2)
+    lamps = cv2.erode(bright.astype(np.uint8), speck)
+    return np.asarray(cv2.dilate(lamps, glow) > 0)
 
 
 def _copied_from(
@@ -84,19 +92,17 @@ def _copied_from(
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """The column and row that each pixel of the small view is copied from."""
     size = len(coarse)
-    # A small pixel's copy reaches half a pixel over its edge, and no unknown may be there.
-    source = cv2.erode(known.astype(np.uint8), np.ones((3, 3))) > 0
     # Lab, because the shift map compares channels as if all counted the same.
     coded = cv2.cvtColor(coarse, cv2.COLOR_RGB2LAB).astype(np.float32)
     row, column = np.mgrid[:size, :size]
     coded[..., 1] += (column - size // 2) * _POSITION_SCALE
     coded[..., 2] += (row - size // 2) * _POSITION_SCALE
-    coded[~source] = 0
+    coded[~known] = 0
     result = np.zeros_like(coded)
     # Its search is randomized; the same seed gives the same filling.
     cv2.setRNGSeed(_SEED)
     cv2.xphoto.inpaint(
-        coded, np.where(source, 255, 0).astype(np.uint8), result, cv2.xphoto.INPAINT_SHIFTMAP
+        coded, np.where(known, 255, 0).astype(np.uint8), result, cv2.xphoto.INPAINT_SHIFTMAP
     )
     fraction = result[..., 1:] - np.rint(result[..., 1:])
     position = np.rint(fraction / _POSITION_SCALE).astype(np.int32) + size // 2
