@@ -1,9 +1,9 @@
 """Analytic expansions: what can be had without a network.
 
-    srgb       the picture decoded; burnt-out light stays at white
-    reinhard   the inverse of Reinhard's tone curve (Banterle et al. 2006, "Inverse tone
-               mapping", equation 8), with white standing for 16
-    area       every burnt-out component multiplied by exp(a + b log solid angle)
+srgb       the picture decoded; burnt-out light stays at white
+reinhard   the inverse of Reinhard's tone curve (Banterle et al. 2006, "Inverse tone
+           mapping", equation 8), with white standing for 16
+area       every burnt-out component multiplied by exp(a + b log solid angle)
 """
 
 from dataclasses import dataclass

@@ -3,6 +3,8 @@
 Nothing here depends on which azimuth is the picture's center.
 """
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -111,9 +113,7 @@ def _spread(
 def _scene(grid: NDArray[np.float32]) -> tuple[NDArray[np.float64], float]:
     """Figures of the whole picture, and the energy of its part that is not burnt out."""
     encoded, clear, share = grid[0:3].astype(np.float64), grid[3:6], grid[9].astype(np.float64)
-    weights = np.broadcast_to(
-        row_solid_angles(GRID_HEIGHT_PX, GRID_WIDTH_PX)[:, None], share.shape
-    )
+    weights = np.broadcast_to(row_solid_angles(GRID_HEIGHT_PX, GRID_WIDTH_PX)[:, None], share.shape)
     light = luminance(encoded.transpose(1, 2, 0))
     clear_light = luminance(clear.transpose(1, 2, 0)).astype(np.float64)
     base_energy = float((weights * clear_light).sum()) + 1e-3
@@ -151,7 +151,7 @@ def _surroundings(
         nearest = np.degrees(np.arccos(np.clip((directions @ directions[cells].T).max(1), -1, 1)))
         nearest[cells] = -1
         figures: list[float] = []
-        for low, high in zip(RINGS_DEG[:-1], RINGS_DEG[1:], strict=True):
+        for low, high in pairwise(RINGS_DEG):
             ring = open_area * ((nearest >= low) & (nearest < high))
             figures += [_mean(light, ring), _mean(warmth, ring)]
         side = directions[:, 0] * center[0] + directions[:, 2] * center[2]
@@ -174,5 +174,3 @@ def _grid_cells(width_px: int) -> NDArray[np.int64]:
     row = (np.arange(width_px // 2) * GRID_HEIGHT_PX) // (width_px // 2)
     column = (np.arange(width_px) * GRID_WIDTH_PX) // width_px
     return row[:, None] * GRID_WIDTH_PX + column[None, :]
-
-

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from panokit.errors import ImageError, ModelError
 from panokit.expand.component_features import component_features
-from panokit.expand.components import find_components
+from panokit.expand.components import Components, find_components
 from panokit.expand.curve import apply_curve
 from panokit.expand.features import GRID_WIDTH_PX, grid_features
 from panokit.expand.reduce import ReducedPanorama
@@ -23,19 +23,35 @@ FEATURES_VERSION = "1"
 ROLLS = 16
 
 
+# How much the component network counts beside the grid's, 0 to 1, in the mean of their logs.
+COMPONENT_WEIGHT = 0.5
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class NetworkExpansion:
-    """An expanded panorama and what the model thought of it.
+class Prediction:
+    """What the networks say of a panorama.
 
     Attributes:
-        radiance: (H, W, 3) float32, linear; 1 is the level at which the picture clipped.
+        log_gain: (3, 64, 128) float32, of burnt-out light, per channel.
         curve_slopes: Of the camera's response, in the dark and at white; see `curve`.
-        component_gains: How many times brighter than shown each component is, largest first.
+        components: Of the panorama, K of them.
+        grid_energy: (K + 1,) float64, of the light outside the components and of each one,
+            as the grid has it.
+        component_energy: (K,) float64, of each component as the component network has it.
     """
 
-    radiance: NDArray[np.float32]
+    log_gain: NDArray[np.float32]
     curve_slopes: tuple[float, float]
-    component_gains: tuple[float, ...]
+    components: Components
+    grid_energy: NDArray[np.float64]
+    component_energy: NDArray[np.float64]
+
+    def energies(self, component_weight: float = COMPONENT_WEIGHT) -> NDArray[np.float64]:
+        """The two networks' energies, (K + 1,), averaged in the log."""
+        energies = self.grid_energy.copy()
+        energies[1:] **= 1 - component_weight
+        energies[1:] *= self.component_energy**component_weight
+        return energies
 
 
 class ExpansionNetwork:
@@ -74,14 +90,11 @@ class ExpansionNetwork:
         return self._components.run({"features": features[None]})["log_gain"][0]
 
 
-def expand_network(reduced: ReducedPanorama, network: ExpansionNetwork) -> NetworkExpansion:
-    """Recover the light that clipping took.
-
-    Pixels that are not burnt out change by the estimated camera curve only. A component's
-    energy is the geometric mean of what the two networks say.
+def predict(reduced: ReducedPanorama, network: ExpansionNetwork) -> Prediction:
+    """Ask both networks.
 
     Args:
-        reduced: The panorama; at 1024 pixels or more the network sees what it was trained on.
+        reduced: The panorama; at 1024 pixels or more the networks see what they were trained on.
         network: The model.
 
     Raises:
@@ -98,18 +111,32 @@ def expand_network(reduced: ReducedPanorama, network: ExpansionNetwork) -> Netwo
     grid = grid_features(reduced)
     components = find_components(reduced)
     log_gain, slopes = network.grid_gain(grid)
-    energies = grid_energies(log_gain, reduced, components)
     described = network.component_gain(component_features(reduced, components, grid))
-    energies[1:] = np.sqrt(energies[1:] * components.energy * np.exp(described))
-    lost = spread_gain(log_gain, reduced, components, energies)
-    open_share = np.maximum(1 - reduced.share, 1e-3)[..., None]
-    clear = apply_curve(np.clip(reduced.clear / open_share, 0, 1), *slopes) * open_share
-    radiance = clear + reduced.burnt + lost
-    return NetworkExpansion(
-        radiance=np.ascontiguousarray(radiance, np.float32),
+    return Prediction(
+        log_gain=log_gain,
         curve_slopes=slopes,
-        component_gains=tuple((energies[1:] / components.energy).tolist()),
+        components=components,
+        grid_energy=grid_energies(log_gain, reduced, components),
+        component_energy=components.energy * np.exp(described),
     )
+
+
+def compose(
+    reduced: ReducedPanorama,
+    prediction: Prediction,
+    component_weight: float = COMPONENT_WEIGHT,
+) -> NDArray[np.float32]:
+    """Radiance (H, W, 3) from a panorama and what the networks say of it.
+
+    Pixels that are not burnt out change by the estimated camera curve only; burnt-out ones
+    never get darker.
+    """
+    energies = prediction.energies(component_weight)
+    lost = spread_gain(prediction.log_gain, reduced, prediction.components, energies)
+    open_share = np.maximum(1 - reduced.share, 1e-3)[..., None]
+    unburnt = np.clip(reduced.clear / open_share, 0, 1)
+    clear = apply_curve(unburnt, *prediction.curve_slopes) * open_share
+    return np.ascontiguousarray(clear + reduced.burnt + lost, np.float32)
 
 
 @lru_cache(maxsize=2)

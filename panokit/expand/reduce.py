@@ -6,14 +6,13 @@ memory does not grow with it.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from panokit.color import srgb_decode_u8
-from panokit.sphere import resize_radiance, row_solid_angles
+from panokit.sphere import row_solid_angles
 from panokit.sphere.solid_angle import row_overlap_weights
 
 # A pixel is burnt out where its second-highest channel reaches this code. Asking for all
@@ -21,6 +20,7 @@ from panokit.sphere.solid_angle import row_overlap_weights
 BURNT_CODE = 250
 
 _STRIP_PIXELS = 1 << 20
+_PLANES = 11
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -64,8 +64,10 @@ class ReducedPanorama:
         """The same maps averaged to a smaller width."""
         if width_px == self.width_px:
             return self
-        stack = np.dstack([self.clear, self.burnt, self.share, self.white, self.encoded])
-        return _from_stack(resize_radiance(stack, width_px))
+        planes = [self.clear, self.burnt, self.share[..., None], self.white[..., None]]
+        stack = np.concatenate([*planes, self.encoded], axis=2).transpose(2, 0, 1)
+        mix = row_overlap_weights(self.width_px // 2, width_px // 2).astype(np.float32)
+        return _from_planes(mix @ _average_columns(np.ascontiguousarray(stack), width_px))
 
 
 def burnt_out(pixels: NDArray[np.uint8]) -> NDArray[np.bool_]:
@@ -85,36 +87,48 @@ def reduce_panorama(pixels: NDArray[np.uint8], width_px: int) -> ReducedPanorama
     height, width = pixels.shape[:2]
     rows = max(_STRIP_PIXELS // width, 1)
     mix = row_overlap_weights(height, width_px // 2).astype(np.float32)
-    total = np.zeros((width_px // 2, width_px * 11), np.float32)
+    total = np.zeros((_PLANES, width_px // 2, width_px), np.float32)
     for top in range(0, height, rows):
-        strip = _maps_of(pixels[top : top + rows])
-        if width != width_px:
-            strip = cv2.resize(strip, (width_px, len(strip)), interpolation=cv2.INTER_AREA)
+        strip = _average_columns(_planes_of(pixels[top : top + rows]), width_px)
         weights = mix[:, top : top + rows]
         targets = np.flatnonzero(weights.any(axis=1))
         first, last = targets[0], targets[-1] + 1
-        total[first:last] += weights[first:last] @ strip.reshape(len(strip), -1)
-    return _from_stack(total.reshape(width_px // 2, width_px, 11))
+        total[:, first:last] += weights[first:last] @ strip
+    return _from_planes(total)
 
 
-def _maps_of(pixels: NDArray[np.uint8]) -> NDArray[np.float32]:
-    maps = np.empty((*pixels.shape[:2], 11), np.float32)
-    linear = srgb_decode_u8(pixels)
+def _planes_of(pixels: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """Everything that is averaged, (11, h, W): clear, burnt, share, white, encoded."""
+    planes = np.empty((_PLANES, *pixels.shape[:2]), np.float32)
+    channels = pixels.transpose(2, 0, 1)
+    linear = srgb_decode_u8(np.ascontiguousarray(channels))
     burnt = burnt_out(pixels)
-    maps[..., 3:6] = linear * burnt[..., None]
-    maps[..., 0:3] = linear - maps[..., 3:6]
-    maps[..., 6] = burnt
-    maps[..., 7] = pixels.min(axis=2) >= BURNT_CODE
-    maps[..., 8:11] = pixels
-    maps[..., 8:11] /= 255
-    return maps
+    planes[3:6] = linear * burnt
+    planes[0:3] = linear - planes[3:6]
+    planes[6] = burnt
+    planes[7] = pixels.min(axis=2) >= BURNT_CODE
+    planes[8:11] = channels
+    planes[8:11] /= 255
+    return planes
 
 
-def _from_stack(stack: NDArray[Any]) -> ReducedPanorama:
+def _average_columns(planes: NDArray[np.float32], width_px: int) -> NDArray[np.float32]:
+    """(C, h, W) to (C, h, `width_px`): the mean over each new pixel's width."""
+    count, height, width = planes.shape
+    if width == width_px:
+        return planes
+    # As one picture of a single channel: OpenCV averages areas of at most four channels.
+    lines = planes.reshape(count * height, width)
+    narrow = cv2.resize(lines, (width_px, count * height), interpolation=cv2.INTER_AREA)
+    return narrow.reshape(count, height, width_px)
+
+
+def _from_planes(planes: NDArray[np.float32]) -> ReducedPanorama:
+    maps = np.ascontiguousarray(planes.transpose(1, 2, 0))
     return ReducedPanorama(
-        clear=stack[..., 0:3],
-        burnt=stack[..., 3:6],
-        share=stack[..., 6],
-        white=stack[..., 7],
-        encoded=stack[..., 8:11],
+        clear=maps[..., 0:3],
+        burnt=maps[..., 3:6],
+        share=maps[..., 6],
+        white=maps[..., 7],
+        encoded=maps[..., 8:11],
     )

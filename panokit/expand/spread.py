@@ -82,9 +82,7 @@ def _toward_middle(components: Components) -> NDArray[np.float32]:
     return weights
 
 
-def _interpolated(
-    log_gain: NDArray[np.float32], reduced: ReducedPanorama
-) -> NDArray[np.float32]:
+def _interpolated(log_gain: NDArray[np.float32], reduced: ReducedPanorama) -> NDArray[np.float32]:
     """The grid's log gain at every pixel, (H, W, 3), linear between the cells' centers."""
     share = reduced.at_width(GRID_WIDTH_PX).share
     grid = _filled(np.ascontiguousarray(log_gain.transpose(1, 2, 0)), share)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from panokit.envmap import Anchor, EnvironmentMap
 from panokit.expand.baselines import expand_area, expand_reinhard, expand_srgb
 from panokit.expand.features import CONTRAST_WIDTH_PX
-from panokit.expand.network import expand_network, load_network
+from panokit.expand.network import compose, load_network, predict
 from panokit.expand.reduce import ReducedPanorama, reduce_panorama
 from panokit.expand.settings import VERSION, ExpandSettings
 from panokit.panorama import Panorama
@@ -76,12 +76,13 @@ def _expanded(
     if model in ANALYTIC:
         return ANALYTIC[model](reduced), "", {}
     network = load_network(model)
-    expansion = expand_network(reduced, network)
+    prediction = predict(reduced, network)
+    gains = prediction.energies()[1:] / prediction.components.energy
     found = {
-        "curve_slopes": [round(slope, 4) for slope in expansion.curve_slopes],
-        "component_gains": [round(gain, 3) for gain in expansion.component_gains],
+        "curve_slopes": [round(slope, 4) for slope in prediction.curve_slopes],
+        "component_gains": [round(float(gain), 3) for gain in gains],
     }
-    return expansion.radiance, network.digest, found
+    return compose(reduced, prediction), network.digest, found
 
 
 def _rounded(values: NDArray[np.float64]) -> list[float]:

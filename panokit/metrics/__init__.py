@@ -1,10 +1,10 @@
 """How good light is; each measure has a named protocol in its module.
 
-    lighting    energy, irradiance, light vector, peak
-    balls       relit balls and the difference between them
-    pu21        perceptual PSNR for HDR, also after tone correction
-    alignment   the one gain that relative radiance leaves open
-    expansion   all scores of an LDR-to-HDR expansion at once
+lighting    energy, irradiance, light vector, peak
+balls       relit balls and the difference between them
+pu21        perceptual PSNR for HDR, also after tone correction
+alignment   the one gain that relative radiance leaves open
+expansion   all scores of an LDR-to-HDR expansion at once
 """
 
 from panokit.metrics.alignment import alignment_gain

@@ -28,13 +28,12 @@ def alignment_gain(
     """
     inside = (ldr.min(axis=2) > 0) & (ldr.max(axis=2) < 255)
     height, width = inside.shape
-    weights = np.broadcast_to(row_solid_angles(height, width)[:, None], inside.shape)[inside]
-    p, g = estimate[inside].astype(np.float64), truth[inside].astype(np.float64)
-    norm = float(weights @ (p * p).sum(axis=1))
+    weights = inside * row_solid_angles(height, width)[:, None]
+    norm = float(np.einsum("hw,hwc,hwc->", weights, estimate, estimate))
     if norm <= 0:
         raise ItemError(
             "No pixel of the picture is clipped at neither end, so the scale of the estimate "
             "cannot be compared. Judge a picture with some unclipped pixels.",
             reason="nothing-unclipped",
         )
-    return float(weights @ (p * g).sum(axis=1)) / norm
+    return float(np.einsum("hw,hwc,hwc->", weights, estimate, truth)) / norm

@@ -2,7 +2,8 @@
 
 Protocol "panokit-expansion-1": the truth is expressed in units of the level at which the
 picture clipped; the estimate is brought to the truth's scale by the one gain of
-`panokit.metrics.alignment`; then every score below is taken at the picture's own size.
+`panokit.metrics.alignment`; then every score below is taken at the picture's own size, but
+PU21 at no more than 512x256, averaged with the energy kept, and balls 32 pixels wide.
 """
 
 from dataclasses import asdict, dataclass
@@ -21,6 +22,10 @@ from panokit.metrics.lighting import (
     peak_error_deg,
 )
 from panokit.metrics.pu21 import pu21_crf_psnr, pu21_psnr
+from panokit.sphere import resize_radiance
+
+PU21_WIDTH_PX = 512
+BALL_PX = 32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +83,8 @@ def score_expansion(
     gain = alignment_gain(estimate, truth, ldr)
     aligned = estimate * np.float32(gain)
     errors = irradiance_errors(aligned, truth)
-    ball, true_ball = diffuse_ball(aligned, 64), diffuse_ball(truth, 64)
+    small, small_truth = _at_most(aligned, PU21_WIDTH_PX), _at_most(truth, PU21_WIDTH_PX)
+    ball, true_ball = diffuse_ball(aligned, BALL_PX), diffuse_ball(truth, BALL_PX)
     return ExpansionScore(
         gain=gain,
         energy_ratio=energy_ratio(aligned, truth),
@@ -89,6 +95,11 @@ def score_expansion(
         peak_deg=peak_error_deg(aligned, truth),
         ball=ball_error(ball, true_ball),
         ball_scale_invariant=ball_error_scale_invariant(ball, true_ball),
-        pu21_db=pu21_psnr(aligned, truth),
-        pu21_crf_db=pu21_crf_psnr(aligned, truth),
+        pu21_db=pu21_psnr(small, small_truth),
+        pu21_crf_db=pu21_crf_psnr(small, small_truth),
     )
+
+
+def _at_most(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.float32]:
+    wide = radiance.shape[1] > width_px
+    return resize_radiance(radiance, width_px) if wide else radiance

@@ -118,5 +118,3 @@ def _pq_decode(value: NDArray[np.float64]) -> NDArray[np.float64]:
     root = np.clip(value, 0, 1) ** (1 / _PQ_M)
     ratio = np.maximum(root - _PQ_C1, 0) / (_PQ_C2 - _PQ_C3 * root)
     return np.asarray(np.maximum(ratio ** (1 / _PQ_N) * _BRIGHTEST_CD_M2, _DARKEST_CD_M2))
-
-

@@ -1,9 +1,9 @@
 """Training (torch): from HDR probes to a released ONNX model.
 
-    recipe    what decides a model, read from models/<id>/recipe.toml
-    probes    the HDR probes and their folds
-    examples  their pictures, pooled to the grid once
-    augment, losses, loop, ensemble   the training itself
-    release   ONNX export, parity check, model.toml
-    crossval  the experiment: folds, baselines, tables
+recipe    what decides a model, read from models/<id>/recipe.toml
+probes    the HDR probes and their folds
+examples  their pictures, pooled to the grid once
+augment, losses, loop, ensemble   the training itself
+release   ONNX export, parity check, model.toml
+crossval  the experiment: folds, baselines, tables
 """

@@ -4,17 +4,16 @@ Whole groups of probes are held out, fold by fold. Each held-out probe is photog
 the test cameras A and B; the recipe and the saturated-area rule know the other folds only.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.color.camera import CAMERA_A, CAMERA_B, Camera, photograph
-from panokit.expand.baselines import expand_area, expand_reinhard, expand_srgb
-from panokit.expand.network import ExpansionNetwork, expand_network
+from panokit.color.camera import CAMERA_A, CAMERA_B, photograph
+from panokit.expand.baselines import AreaRule, expand_area, expand_reinhard, expand_srgb
+from panokit.expand.network import ExpansionNetwork, compose, predict
 from panokit.expand.reduce import ReducedPanorama, reduce_panorama
 from panokit.metrics import ExpansionScore, score_expansion
 from panokit.train.area_rule import fit_area_rule
@@ -27,10 +26,7 @@ from panokit.weights import read_model
 
 FOLDS = 5
 TEST_CAMERAS = (CAMERA_A, CAMERA_B)
-LDR_METHOD = "ldr"
-RECIPE_METHOD = "recipe"
-
-Method = Callable[[ReducedPanorama], NDArray[np.float32]]
+METHODS = ("ldr", "srgb", "reinhard", "area", "recipe", "grid only", "components only")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +34,7 @@ class ScoreRow:
     """One method on one picture.
 
     Attributes:
-        method: "ldr", "srgb", "reinhard", "area" or "recipe".
+        method: One of `METHODS`.
         camera: "A" or "B".
         probe: Its name.
         category: Of the probe.
@@ -79,42 +75,38 @@ def judge_fold(
     folds = assign_folds(probes, FOLDS)
     rule = fit_area_rule(examples.of_probes(np.flatnonzero(folds != fold)))
     network = ExpansionNetwork(read_model(model), threads=1)
-    methods: dict[str, Method] = {
-        LDR_METHOD: lambda reduced: reduced.encoded,
-        "srgb": expand_srgb,
-        "reinhard": expand_reinhard,
-        "area": partial(expand_area, rule=rule),
-        RECIPE_METHOD: lambda reduced: expand_network(reduced, network).radiance,
-    }
     rows = []
     for index in np.flatnonzero(folds == fold):
-        rows += _judge_probe(probes[index], int(index), fold, methods, TEST_CAMERAS)
-    return rows
-
-
-def _judge_probe(
-    probe: TrainingProbe,
-    index: int,
-    fold: int,
-    methods: dict[str, Method],
-    cameras: Iterable[Camera],
-) -> list[ScoreRow]:
-    radiance = probe.radiance()
-    rows = []
-    for camera in cameras:
-        # Far from the seeds of the training pictures.
-        shot = photograph(radiance, camera, seed=1_000_000_000 + index)
-        truth = radiance * np.float32(shot.exposure)
-        reduced = reduce_panorama(shot.pixels, radiance.shape[1])
-        for name, method in methods.items():
-            rows.append(
+        probe = probes[index]
+        radiance = probe.radiance()
+        for camera in TEST_CAMERAS:
+            # Far from the seeds of the training pictures.
+            shot = photograph(radiance, camera, seed=1_000_000_000 + int(index))
+            truth = radiance * np.float32(shot.exposure)
+            reduced = reduce_panorama(shot.pixels, radiance.shape[1])
+            rows += [
                 ScoreRow(
-                    method=name,
+                    method=method,
                     camera=camera.name,
                     probe=probe.name,
                     category=probe.category,
                     fold=fold,
-                    score=score_expansion(method(reduced), truth, shot.pixels),
+                    score=score_expansion(estimate, truth, shot.pixels),
                 )
-            )
+                for method, estimate in _estimates(reduced, rule, network)
+            ]
     return rows
+
+
+def _estimates(
+    reduced: ReducedPanorama, rule: AreaRule, network: ExpansionNetwork
+) -> Iterator[tuple[str, NDArray[np.float32]]]:
+    """The radiance that each of `METHODS` finds."""
+    yield "ldr", reduced.encoded
+    yield "srgb", expand_srgb(reduced)
+    yield "reinhard", expand_reinhard(reduced)
+    yield "area", expand_area(reduced, rule)
+    prediction = predict(reduced, network)
+    yield "recipe", compose(reduced, prediction)
+    yield "grid only", compose(reduced, prediction, component_weight=0)
+    yield "components only", compose(reduced, prediction, component_weight=1)

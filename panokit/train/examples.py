@@ -97,9 +97,7 @@ def load_examples(path: Path) -> Examples:
         return Examples(**{name: arrays[name] for name in Examples.__slots__})
 
 
-def _examples_of_probe(
-    item: tuple[int, TrainingProbe], recipe: DataRecipe
-) -> dict[str, NDArray]:
+def _examples_of_probe(item: tuple[int, TrainingProbe], recipe: DataRecipe) -> dict[str, NDArray]:
     cv2.setNumThreads(1)
     index, probe = item
     radiance = probe.radiance()

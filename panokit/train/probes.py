@@ -66,9 +66,7 @@ def read_probes(folder: Path) -> list[TrainingProbe]:
             if row["usable_for"] == "training"
         ]
     except KeyError as error:
-        raise RecordError(
-            f"{manifest} has no column {error}.", reason="bad-manifest"
-        ) from error
+        raise RecordError(f"{manifest} has no column {error}.", reason="bad-manifest") from error
     if not probes:
         raise RecordError(f"{manifest} lists no probe for training.", reason="no-probes")
     return sorted(probes, key=lambda probe: probe.name)

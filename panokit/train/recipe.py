@@ -50,7 +50,7 @@ class NetworkRecipe(Settings):
 class ComponentRecipe(Settings):
     """The component networks."""
 
-    members: int = Field(default=6, ge=1)
+    members: int = Field(default=4, ge=1)
     """Networks in the ensemble."""
 
     steps: int = Field(default=700, ge=1)
