@@ -24,7 +24,7 @@ demo: $(DEMO)/.installed
 	$(DEMO)/bin/panokit demo --out demo
 
 test: $(VENV)/.installed
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m "not slow and not browser" $(TESTS)
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n auto -m "not slow and not browser" --ignore=tests/benchmarks $(TESTS)
 
 check: $(VENV)/.installed
 	$(BIN)/ruff format --check .
@@ -36,7 +36,7 @@ test-slow: $(VENV)/.installed
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m "slow" $(TESTS)
 
 bench: $(VENV)/.installed
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks -m "" --benchmark-enable
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks --benchmark-columns=min,mean,rounds
 
 docs: $(VENV)/.installed
 	$(BIN)/pip install --quiet -e ".[docs]"

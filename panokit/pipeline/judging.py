@@ -8,12 +8,13 @@ from panokit.console import Console
 from panokit.errors import RecordError, Rejection
 from panokit.io.captures import read_capture
 from panokit.io.files import file_entry, read_json, sha256_of_file, write_json
+from panokit.io.pictures import record_path
 from panokit.pipeline.batch import BatchResult
 from panokit.pipeline.settings import PipelineSettings
 from panokit.probes import Library
 from panokit.qa import JudgedMap, QaItem, QaResult, Verdict, qa, write_report
 from panokit.qa.settings import VERSION
-from panokit.records import Receipt, RunFolder, is_complete, record_path, stage_key
+from panokit.records import Receipt, RunFolder, is_complete, stage_key
 
 _SCHEMA = "panokit.report/1"
 _KEPT = "kept.json"
