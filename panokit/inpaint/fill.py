@@ -103,7 +103,7 @@ def _filling(
         return drawn.astype(np.float32), "telea"
     # The filling goes on under the rim, so that there is something to fade into.
     fixed = known & (away_px >= rim_px)
-    if method == "texture" and _detail(view, known, away_px, region) > _SMOOTH_SKY:
+    if method == "texture" and _detail(view, known, away_px) > _SMOOTH_SKY:
         copied = texture(view, fixed)
         if copied is not None:
             return copied, "texture"
@@ -111,11 +111,11 @@ def _filling(
 
 
 def _detail(
-    view: NDArray[np.uint8], known: NDArray[np.bool_], away_px: NDArray[np.float32], region: Region
+    view: NDArray[np.uint8], known: NDArray[np.bool_], away_px: NDArray[np.float32]
 ) -> float:
     """How much detail there is around the hole: the mean second difference in gray levels."""
     gray = cv2.cvtColor(view, cv2.COLOR_RGB2GRAY).astype(np.float32)
-    nearby = away_px < max(0.5 * len(view) / 2, 4)
+    nearby = away_px < len(view) / 4
     solid = cv2.erode((known & nearby).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     if not solid.any():
         return 0.0

@@ -1,5 +1,7 @@
 """The settings of `stitch`."""
 
+from typing import Any
+
 from pydantic import Field, field_validator
 
 from panokit.settings import Settings
@@ -11,10 +13,16 @@ class StitchSettings(Settings):
     """How stored tiles become a panorama."""
 
     width_px: int | None = Field(default=4096, ge=16)
-    """Width of the result; a smaller picture stays as it is. None keeps the native size."""
+    """Width of the result; a smaller picture stays as it is. "none" keeps the native size."""
 
     level: bool = True
     """Turn the picture level and north to its center, as far as its metadata tells."""
+
+    @field_validator("width_px", mode="before")
+    @classmethod
+    def _none_as_text(cls, width_px: Any) -> Any:
+        # Neither TOML nor a command line can say None.
+        return None if width_px == "none" else width_px
 
     @field_validator("width_px")
     @classmethod

@@ -165,3 +165,7 @@ def test_a_mask_that_does_not_fit_is_a_wrong_call(textured, panorama_of, mask):
 def test_a_cap_has_a_sane_size(radius_deg):
     with pytest.raises(ValidationError):
         InpaintSettings(nadir_deg=radius_deg)
+
+
+def test_none_can_be_said_in_toml():
+    assert InpaintSettings(nadir_deg="none") == NONE

@@ -93,3 +93,7 @@ def test_the_same_capture_gives_the_same_record_and_pixels(tile_store, scene):
 def test_an_odd_width_is_refused():
     with pytest.raises((SettingsError, ValueError), match="odd"):
         StitchSettings(width_px=1023)
+
+
+def test_none_can_be_said_in_toml():
+    assert StitchSettings(width_px="none").width_px is None
