@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from panokit.synthetic.folder import pictures_in
     from panokit.synthetic.generate import render_city
     from panokit.synthetic.pictures import ServedPicture
-    from panokit.synthetic.serve import serve
     from panokit.synthetic.server import StreetServer
+    from panokit.synthetic.serving import serve
     from panokit.synthetic.settings import CitySettings, ServeSettings
 
 __getattr__, __dir__, __all__ = lazy_names(
@@ -37,6 +37,6 @@ __getattr__, __dir__, __all__ = lazy_names(
         "embedded_truth": "panokit.synthetic.embedded",
         "pictures_in": "panokit.synthetic.folder",
         "render_city": "panokit.synthetic.generate",
-        "serve": "panokit.synthetic.serve",
+        "serve": "panokit.synthetic.serving",
     },
 )

@@ -10,6 +10,7 @@ from typing import Literal
 from panokit.synthetic.materials import Color
 
 PlaceKind = Literal["old-town", "boulevard", "square", "residential", "waterfront"]
+ThingKind = Literal["car", "tree", "lamp", "bench", "bollard", "hedge", "fountain", "boat", "bin"]
 Wall = Literal["plaster", "brick", "stone", "concrete"]
 
 
@@ -96,7 +97,7 @@ class Thing:
         y_m: Of the ground it stands on.
     """
 
-    kind: Literal["car", "tree", "lamp", "bench", "bollard", "hedge", "fountain", "boat", "bin"]
+    kind: ThingKind
     x_m: float
     z_m: float
     turn: float = 0.0

@@ -1,8 +1,8 @@
 """The city that travels with panokit: panoramas to fetch, and the truth that only a judge reads.
 
-    sample_city/index.json            the captures
-    sample_city/panoramas/NAME.jpg    what street cameras saw
-    sample_city/truth/NAME.exr        the radiance, level, in units of the clip level
+sample_city/index.json            the captures
+sample_city/panoramas/NAME.jpg    what street cameras saw
+sample_city/truth/NAME.exr        the radiance, level, in units of the clip level
 """
 
 from collections.abc import Sequence

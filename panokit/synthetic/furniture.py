@@ -170,14 +170,36 @@ def build_hedge(parts: Parts, hedge: Thing) -> None:
 def build_fountain(parts: Parts, fountain: Thing) -> None:
     """Add a round stone basin with a column in it."""
     here = parts.placed(Placement.standing(fountain.x_m, fountain.z_m))
-    stone = Material(color=LIMESTONE.color, roughness=0.8, smooth=False,
-                     texture=Texture(pattern="stone", color=(0.5, 0.47, 0.4), seed=5))  # fmt: skip
+    stone = Material(
+        color=LIMESTONE.color,
+        roughness=0.8,
+        smooth=False,
+        texture=Texture(pattern="stone", color=(0.5, 0.47, 0.4), seed=5),
+    )
     wide = fountain.height_m
-    here.tube(stone, [[0, 0, 0], [0, 0.2, 0], [0, 0.55, 0], [0, 0.62, 0], [0, 0.621, 0],
-                      [0, 0.3, 0]],
-              [wide, wide * 0.97, wide * 0.97, wide * 1.02, wide * 0.9, wide * 0.89], 40)  # fmt: skip
-    here.floor(Material(color=(0.03, 0.06, 0.06), roughness=0.05, kind="water"),
-               (-wide * 0.64, wide * 0.64), (-wide * 0.64, wide * 0.64), 0.48)  # fmt: skip
-    here.tube(stone, [[0, 0.3, 0], [0, 0.8, 0], [0, 1.5, 0], [0, 2.4, 0], [0, 2.5, 0],
-                      [0, 2.62, 0], [0, 2.7, 0]],
-              [0.5, 0.3, 0.24, 0.2, 0.9, 0.95, 0.05], 24)  # fmt: skip
+    here.tube(
+        stone,
+        [[0, 0, 0], [0, 0.2, 0], [0, 0.55, 0], [0, 0.62, 0], [0, 0.621, 0], [0, 0.3, 0]],
+        [wide, wide * 0.97, wide * 0.97, wide * 1.02, wide * 0.9, wide * 0.89],
+        40,
+    )
+    here.floor(
+        Material(color=(0.03, 0.06, 0.06), roughness=0.05, kind="water"),
+        (-wide * 0.64, wide * 0.64),
+        (-wide * 0.64, wide * 0.64),
+        0.48,
+    )
+    here.tube(
+        stone,
+        [
+            [0, 0.3, 0],
+            [0, 0.8, 0],
+            [0, 1.5, 0],
+            [0, 2.4, 0],
+            [0, 2.5, 0],
+            [0, 2.62, 0],
+            [0, 2.7, 0],
+        ],
+        [0.5, 0.3, 0.24, 0.2, 0.9, 0.95, 0.05],
+        24,
+    )

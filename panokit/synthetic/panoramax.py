@@ -219,6 +219,9 @@ def _properties(picture: ServedPicture, *, sparse: bool) -> dict[str, Any]:
             }
         },
     }
+    if capture.details.get("synthetic") is True:
+        # Not a field of real instances: reports must be able to say that this is no photograph.
+        known["panokit:synthetic"] = True
     interior: dict[str, Any] = {"camera_model": "panokit", "field_of_view": 360}
     if not sparse:
         interior["sensor_array_dimensions"] = [width_px, height_px]

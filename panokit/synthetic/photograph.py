@@ -1,6 +1,7 @@
 """A street camera's picture of the radiance it stands in: exposure, glare, noise, sRGB."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from panokit.color import luminance, srgb_encode_u8, weighted_percentile
 from panokit.sphere import resize_radiance, row_solid_angles
 
-Picture = NDArray[np.float32]
+Picture = NDArray[np.floating[Any]]
 
 # What the lens scatters: (share of the light, width in degrees). Real lenses scatter several
 # percent; the tails beyond a few degrees are left to the renderer's own sky.
@@ -70,4 +71,4 @@ def _glare(exposed: Picture) -> Picture:
     for share, width_deg in _GLARE:
         sigma = width_deg / 360 * small.shape[1]
         halo += np.float32(share) * cv2.GaussianBlur(padded, (0, 0), sigma)[:, pad:-pad]
-    return cv2.resize(halo, (width, height), interpolation=cv2.INTER_LINEAR)
+    return np.asarray(cv2.resize(halo, (width, height), interpolation=cv2.INTER_LINEAR))

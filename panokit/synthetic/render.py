@@ -7,11 +7,14 @@ changes bright sources, and the sun is put in from its known place, size and rad
 
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.errors import MissingExtraError
 from panokit.frames import Rotation
 from panokit.renderer import load_mitsuba
 from panokit.sphere import equirect_directions
@@ -21,6 +24,10 @@ Picture = NDArray[np.float32]
 # Sunlight that comes by way of a mirror-like pane meets one path in thousands.
 _BRIGHTEST_BOUNCE = 40.0
 _PAD_PX = 32
+_MOST_RAYS = 1 << 23
+_GUIDE_SAMPLES = 6
+# Edges against the sky are not denoised, and rays without a bounce are cheap.
+_EDGE_OVERSAMPLING = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,20 +59,29 @@ def render_radiance(scene: Any, sky: Sky, view: View, seed: int) -> Picture:
     emitted = mitsuba.load_dict({"type": "path", "max_depth": 1})
     direct = np.zeros((view.width_px // 2, view.width_px, 3), np.float32)
     bounced = np.zeros_like(direct)
-    for index in range(view.samples):
+    for index, count in enumerate(_passes(view, view.samples)):
         # The same seed gives both the same rays, so their difference is what bounced.
-        pass_seed = seed * 4096 + index
-        seen = np.array(mitsuba.render(scene, sensor=sensor, integrator=emitted,
-                                       spp=1, seed=pass_seed))  # fmt: skip
-        whole = np.array(mitsuba.render(scene, sensor=sensor, integrator=full,
-                                        spp=1, seed=pass_seed))  # fmt: skip
-        direct += seen
-        bounced += np.clip(np.nan_to_num(whole - seen), 0, _BRIGHTEST_BOUNCE)
-    direct /= view.samples
+        rays = {"sensor": sensor, "spp": count, "seed": seed * 4096 + index}
+        seen = np.array(mitsuba.render(scene, integrator=emitted, **rays))
+        whole = np.array(mitsuba.render(scene, integrator=full, **rays))
+        direct += seen * count
+        bounced += np.clip(np.nan_to_num(whole - seen), 0, _BRIGHTEST_BOUNCE) * count
+    extra = view.samples * (_EDGE_OVERSAMPLING - 1)
+    for index, count in enumerate(_passes(view, extra)):
+        rays = {"sensor": sensor, "spp": count, "seed": seed * 4096 + 2000 + index}
+        direct += np.array(mitsuba.render(scene, integrator=emitted, **rays)) * count
+    direct /= view.samples + extra
     bounced /= view.samples
     if view.denoise:
         bounced = _denoised(scene, sensor, bounced, seed)
     return _with_sun(scene, direct, sky, view) + bounced
+
+
+def _passes(view: View, samples: int) -> list[int]:
+    """Samples in each pass: few passes, as each costs seconds to set up, in bounded memory."""
+    at_once = max(1, _MOST_RAYS // (view.width_px * view.width_px // 2))
+    whole, rest = divmod(samples, at_once)
+    return [at_once] * whole + ([rest] if rest else [])
 
 
 @lru_cache(maxsize=1)
@@ -73,7 +89,7 @@ def _register_sensor() -> str:
     mitsuba = load_mitsuba()
     import drjit
 
-    class EquirectSensor(mitsuba.Sensor):  # type: ignore[misc, name-defined]
+    class EquirectSensor(mitsuba.Sensor):  # type: ignore[name-defined]
         def __init__(self, props: Any) -> None:
             super().__init__(props)
             matrix = np.array(props["to_world"].matrix, np.float64).reshape(4, 4)
@@ -129,24 +145,29 @@ def _sensor(view: View) -> Any:
 
 
 def _denoised(scene: Any, sensor: Any, noisy: Picture, seed: int) -> Picture:
-    import mitsuba_oidn
-
     mitsuba = load_mitsuba()
+    oidn = _load_denoiser()
     guides = mitsuba.load_dict({"type": "aov", "aovs": "albedo:albedo,normal:sh_normal"})
     guide = np.zeros((*noisy.shape[:2], 6), np.float32)
-    passes = 6
-    for index in range(passes):
+    for index in range(_GUIDE_SAMPLES):
         rendered = mitsuba.render(
             scene, sensor=sensor, integrator=guides, spp=1, seed=seed * 4096 + 3000 + index
         )
-        guide += np.nan_to_num(np.array(rendered)[..., -6:]) / passes
+        guide += np.nan_to_num(np.array(rendered)[..., -6:]) / _GUIDE_SAMPLES
     # Padded across the seam, so that the cleaned picture still joins.
     color, albedo, normal = (
         np.ascontiguousarray(np.pad(part, ((0, 0), (_PAD_PX, _PAD_PX), (0, 0)), mode="wrap"))
         for part in (noisy, np.clip(guide[..., :3], 0, 1), guide[..., 3:])
     )
-    cleaned = mitsuba_oidn.denoise(color, albedo, normal, hdr=True)
+    cleaned = oidn.denoise(color, albedo, normal, hdr=True)
     return np.maximum(np.asarray(cleaned)[:, _PAD_PX:-_PAD_PX], 0).astype(np.float32)
+
+
+def _load_denoiser() -> Any:
+    if find_spec("mitsuba_oidn") is None:
+        raise MissingExtraError("mitsuba_oidn", "render", "Denoising")
+    # By name, because mypy cannot parse this package's own stubs.
+    return import_module("mitsuba_oidn")
 
 
 def _with_sun(scene: Any, direct: Picture, sky: Sky, view: View) -> Picture:

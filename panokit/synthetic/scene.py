@@ -157,7 +157,8 @@ def _waves() -> dict[str, Any]:
     mitsuba = load_mitsuba()
     height = ripples[..., :1].astype(np.float32) / 255
     for shift in (1, 2, 4, 8):
-        height = sum(np.roll(height, s, a) for a in (0, 1) for s in (shift, -shift)) / 4
+        around = [np.roll(height, step, axis) for axis in (0, 1) for step in (shift, -shift)]
+        height = np.mean(around, axis=0, dtype=np.float32)
     return {"type": "bitmap", "bitmap": mitsuba.Bitmap(height), "raw": True}
 
 
@@ -173,7 +174,7 @@ def _glow(material: Material, painted: dict[Texture, Any]) -> dict[str, Any]:
         return {"type": "area", "radiance": {"type": "rgb", "value": list(material.glow or ())}}
     mitsuba = load_mitsuba()
     linear = (paint(material.texture).astype(np.float32) / 255) ** 2.2
-    lit = linear * np.float32(material.glow)
+    lit = linear * np.array(material.glow, np.float32)
     picture = {"type": "bitmap", "bitmap": mitsuba.Bitmap(lit), "raw": True}
     return {"type": "area", "radiance": picture}
 

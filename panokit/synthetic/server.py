@@ -49,6 +49,7 @@ class StreetServer:
         key: str = DEFAULT_KEY,
         port: int = 0,
     ) -> None:
+        store = PictureStore(pictures)
         self._faults = faults or Faults()
         self._troubles = TroubleSchedule(self._faults.troubles)
         self._requests: list[Request] = []
@@ -58,7 +59,6 @@ class StreetServer:
         self.url, self.storage_url = (
             f"http://127.0.0.1:{listener.server_address[1]}" for listener in self._listeners
         )
-        store = PictureStore(pictures)
         self._google = GoogleTiles(store, key)
         self._panoramax = Panoramax(store, self.url, self.storage_url)
 

@@ -4,15 +4,18 @@ Everything is built in a local frame, x right, y up, z toward the viewer, and ca
 frame of the place by a `Placement`. All parts of one material become one mesh.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from panokit.synthetic.materials import Material
 
 Floats = NDArray[np.float64]
+# Points, corners or places in a picture: an array, or lists in the shape of one.
+Points = NDArray[Any] | Sequence[Any]
 _UNIT_UV = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 # The faces of a box as corners of its (x, y, z) bits, each counter-clockwise from outside.
 _BOX_FACES = {
@@ -99,9 +102,7 @@ class Parts:
             for material, pile in self._piles.items()
         }
 
-    def add(
-        self, material: Material, vertices: ArrayLike, uv: ArrayLike, triangles: ArrayLike
-    ) -> None:
+    def add(self, material: Material, vertices: Points, uv: Points, triangles: Points) -> None:
         """Add triangles with their own vertices."""
         points = self._placement.apply(np.asarray(vertices, np.float64).reshape(-1, 3))
         pile = self._piles.setdefault(material, _Pile())
@@ -110,13 +111,13 @@ class Parts:
         pile.triangles.append(np.asarray(triangles).reshape(-1, 3) + pile.count)
         pile.count += len(points)
 
-    def quads(self, material: Material, corners: ArrayLike, uv: ArrayLike | None = None) -> None:
+    def quads(self, material: Material, corners: Points, uv: Points | None = None) -> None:
         """Add quadrilaterals, corners (..., 4, 3) counter-clockwise from outside."""
         points = np.asarray(corners, np.float64).reshape(-1, 4, 3)
         count = len(points)
         where = np.broadcast_to(_UNIT_UV if uv is None else np.asarray(uv), (count, 4, 2))
         first = 4 * np.arange(count)[:, None]
-        triangles = np.concatenate([first + [0, 1, 2], first + [0, 2, 3]])
+        triangles = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])])
         self.add(material, points, where, triangles)
 
     def panel(
@@ -125,7 +126,7 @@ class Parts:
         x: tuple[float, float],
         y: tuple[float, float],
         z: float,
-        uv: ArrayLike | None = None,
+        uv: Points | None = None,
     ) -> None:
         """Add an upright rectangle that faces +z."""
         (x0, x1), (y0, y1) = x, y
@@ -147,8 +148,8 @@ class Parts:
     def box(
         self,
         material: Material,
-        low: ArrayLike,
-        high: ArrayLike,
+        low: Points,
+        high: Points,
         omit: tuple[str, ...] = (),
         meters_per_tile: float = 4.0,
     ) -> None:
@@ -184,8 +185,8 @@ class Parts:
     def tube(
         self,
         material: Material,
-        path: ArrayLike,
-        radii: ArrayLike,
+        path: Points,
+        radii: Points | float,
         sides: int = 10,
     ) -> None:
         """Add a round tube along a path of points, with a radius at each point; no end caps."""

@@ -7,7 +7,7 @@ apart: a disk with one radiance, so that its energy is exact at any resolution.
 import math
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Literal
+from typing import Any, Literal
 
 import cv2
 import numpy as np
@@ -19,7 +19,7 @@ from panokit.frames import direction_from_azimuth_elevation
 from panokit.sphere import equirect_directions
 
 Weather = Literal["clear", "cloudy", "overcast", "night"]
-Picture = NDArray[np.float32]
+Picture = NDArray[np.floating[Any]]
 
 SUN_RADIUS = math.radians(0.5332 / 2)
 SUN_SOLID_ANGLE = 2 * math.pi * (1 - math.cos(SUN_RADIUS))
@@ -60,7 +60,7 @@ def overcast_sky(seed: int) -> Sky:
     up = np.clip(directions[..., 1], 0, 1)
     mottled = 1 + 0.16 * _cloud_noise(directions, seed, 1.2)
     level = (1 + 2 * up) / 3 * np.clip(mottled, 0.5, 1.6)
-    radiance = level[..., None] * np.float32([0.93, 0.98, 1.06])
+    radiance = level[..., None] * np.array([0.93, 0.98, 1.06], np.float32)
     return Sky(
         radiance=_with_ground(radiance.astype(np.float32), 0.2),
         sun_direction=None,
@@ -72,8 +72,8 @@ def night_sky(seed: int) -> Sky:
     """A city's night: deep blue overhead, the glow of lamps near the horizon."""
     directions = equirect_directions(SKY_WIDTH_PX, SKY_WIDTH_PX // 2)
     up = np.clip(directions[..., 1], 0, 1)
-    haze = np.exp(-up / 0.22)[..., None] * np.float32([0.055, 0.034, 0.022])
-    dusk = (0.35 + 0.65 * (1 - up))[..., None] * np.float32([0.010, 0.015, 0.034])
+    haze = np.exp(-up / 0.22)[..., None] * np.array([0.055, 0.034, 0.022], np.float32)
+    dusk = (0.35 + 0.65 * (1 - up))[..., None] * np.array([0.010, 0.015, 0.034], np.float32)
     cloud = 1 + 0.25 * _cloud_noise(directions, seed, 1.4)
     radiance = (haze + dusk) * np.clip(cloud, 0.4, 2)[..., None]
     return Sky(
@@ -106,7 +106,7 @@ def with_clouds(clear: Sky, seed: int, cover: float = 0.45) -> Sky:
         toward = np.exp((cosine - 1) / 0.12)
     shade = 1 - 0.5 * np.tanh(1.1 * depth) + 0.05 * _cloud_noise(directions, seed + 1, 1.1)
     lit = grey * (2.3 + 5.0 * toward) * shade
-    cloud = lit[..., None] * np.float32([1.0, 0.985, 0.97])
+    cloud = lit[..., None] * np.array([1.0, 0.985, 0.97], np.float32)
     fade = np.clip(directions[..., 1] / 0.06, 0, 1) * opaque
     radiance = clear.radiance * (1 - fade[..., None]) + cloud * fade[..., None]
     through = 1.0

@@ -5,6 +5,7 @@ All patterns are functions of the recipe alone, so a city is the same wherever i
 
 from collections.abc import Callable
 from functools import lru_cache
+from typing import Any
 
 import cv2
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from panokit.color import srgb_encode_u8
 from panokit.synthetic.materials import Texture
 
-Picture = NDArray[np.float32]
+Picture = NDArray[np.floating[Any]]
 
 
 def paint(recipe: Texture) -> NDArray[np.uint8]:
@@ -40,9 +41,9 @@ def _noise(recipe: Texture, seed: int, slope: float = 1.6, stretch: float = 1.0)
     square = _cloudy(512, recipe.seed * 31 + seed, slope)
     rows = np.linspace(0, 511 / stretch, recipe.height_px, dtype=np.float32)
     columns = np.linspace(0, 511, recipe.width_px, dtype=np.float32)
-    return cv2.remap(
-        square, *np.meshgrid(columns, rows), cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
-    )
+    across, down = np.meshgrid(columns, rows)
+    drawn = cv2.remap(square, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
+    return np.asarray(drawn, np.float32)
 
 
 def _grain(recipe: Texture, seed: int) -> Picture:
@@ -95,7 +96,7 @@ def _plaster(recipe: Texture) -> Picture:
     patches = (_noise(recipe, 6, 1.9) > 1.9).astype(np.float32)
     bare = cv2.GaussianBlur(patches, (0, 0), 1.2)[..., None]
     wall = _tinted(recipe, _weather(recipe) * fine)
-    return wall * (1 - 0.5 * bare) + np.float32([0.32, 0.29, 0.25]) * 0.5 * bare
+    return wall * (1 - 0.5 * bare) + np.array([0.32, 0.29, 0.25], np.float32) * 0.5 * bare
 
 
 def _brick(recipe: Texture) -> Picture:
@@ -103,7 +104,7 @@ def _brick(recipe: Texture) -> Picture:
     shade = 0.72 + 0.5 * number + 0.04 * _grain(recipe, 1)
     bricks = _tinted(recipe, shade)
     bricks[..., 0] *= 1 + 0.12 * (number - 0.5)
-    mortar = np.float32([0.4, 0.38, 0.34]) * (1 + 0.05 * _grain(recipe, 2))[..., None]
+    mortar = np.array([0.4, 0.38, 0.34], np.float32) * (1 + 0.05 * _grain(recipe, 2))[..., None]
     mixed = bricks + (mortar - bricks) * joints[..., None]
     return mixed * _weather(recipe)[..., None]
 
@@ -141,7 +142,9 @@ def _cobbles(recipe: Texture) -> Picture:
 
 def _grass(recipe: Texture) -> Picture:
     shade = 1 + 0.3 * _grain(recipe, 1) + 0.15 * _noise(recipe, 2, 0.9)
-    dry = np.clip(_noise(recipe, 3, 1.6), 0, 2)[..., None] * np.float32([0.05, 0.035, 0.0])
+    dry = np.clip(_noise(recipe, 3, 1.6), 0, 2)[..., None] * np.array(
+        [0.05, 0.035, 0.0], np.float32
+    )
     return _tinted(recipe, np.clip(shade, 0.2, 2)) + dry
 
 
@@ -164,7 +167,9 @@ def _wood(recipe: Texture) -> Picture:
 def _stripes(recipe: Texture) -> Picture:
     across, _ = _meters(recipe)
     band = (np.mod(across, 0.5) < 0.25)[..., None]
-    return np.where(band, np.float32(recipe.color), np.float32([0.78, 0.76, 0.7]))
+    return np.where(
+        band, np.array(recipe.color, np.float32), np.array([0.78, 0.76, 0.7], np.float32)
+    )
 
 
 def _curtain(recipe: Texture) -> Picture:
@@ -183,15 +188,16 @@ def _shop(recipe: Texture) -> Picture:
     rng = np.random.default_rng(recipe.seed)
     height, width = recipe.height_px, recipe.width_px
     picture = np.empty((height, width, 3), np.float32)
-    wall = np.float32(rng.uniform(0.25, 0.6, 3))
+    wall = rng.uniform(0.25, 0.6, 3).astype(np.float32)
     picture[:] = wall * np.linspace(0.9, 0.35, height, dtype=np.float32)[:, None, None]
-    picture[int(0.86 * height) :] = np.float32([0.16, 0.12, 0.09])
+    picture[int(0.86 * height) :] = np.array([0.16, 0.12, 0.09], np.float32)
     for left in np.arange(0.04, 0.92, 0.16):
         _shelf(picture, rng, left)
     for left in np.arange(0.1, 0.95, 0.2):
         x0 = int(left * width)
         picture[int(0.03 * height) : int(0.07 * height), x0 : x0 + width // 11] = 0.95
-    return cv2.GaussianBlur(picture, (0, 0), 1.0) * np.asarray(recipe.color, np.float32)
+    blurred = np.asarray(cv2.GaussianBlur(picture, (0, 0), 1.0), np.float32)
+    return blurred * np.asarray(recipe.color, np.float32)
 
 
 def _shelf(picture: Picture, rng: np.random.Generator, left: float) -> None:
@@ -207,7 +213,7 @@ def _shelf(picture: Picture, rng: np.random.Generator, left: float) -> None:
             grey = rng.uniform(0.08, 0.55)
             picture[y0:y1, x : x + step] = grey + (rng.uniform(0.05, 0.6, 3) - grey) * 0.45
             x += step + 1
-        picture[y1 : y1 + max(1, height // 90), x0:x1] = np.float32([0.3, 0.24, 0.18])
+        picture[y1 : y1 + max(1, height // 90), x0:x1] = np.array([0.3, 0.24, 0.18], np.float32)
 
 
 _PATTERNS: dict[str, Callable[[Texture], Picture]] = {

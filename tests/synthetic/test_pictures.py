@@ -1,0 +1,46 @@
+import cv2
+import numpy as np
+import pytest
+
+from panokit.synthetic import ServedPicture
+from panokit.synthetic.pictures import PictureStore
+
+
+def test_pieces_join_to_the_whole_at_any_size(describe, image):
+    picture = ServedPicture(capture=describe("one", 4096), image=image)
+    store = PictureStore([picture])
+    for width in (512, 1024, 3000):
+        size = (width, width // 2)
+        whole = store.piece(picture, size, (0, 0, *size))
+        left = store.piece(picture, size, (0, 0, width // 3, width // 2))
+        right = store.piece(picture, size, (width // 3, 0, *size))
+        joined = np.hstack([left, right])
+        # Inside, the very same; at the seam a piece looks around the sphere.
+        assert np.abs(joined.astype(int) - whole)[:, 4:-4].max() <= 1
+
+
+def test_smaller_sizes_are_averages(describe, image, gradient):
+    picture = ServedPicture(capture=describe("one"), image=image)
+    small = PictureStore([picture]).piece(picture, (128, 64), (0, 0, 128, 64))
+    expected = cv2.resize(gradient, (128, 64), interpolation=cv2.INTER_AREA)
+    assert np.abs(small.astype(int) - expected).max() <= 2
+
+
+def test_decoded_pictures_stay_within_the_budget(describe, image):
+    names = [f"picture-{index}" for index in range(6)]
+    pictures = [ServedPicture(capture=describe(name, 1024), image=image) for name in names]
+    one_decoded = 1024 * 512 * 3
+    store = PictureStore(pictures, budget_bytes=2 * one_decoded)
+    for picture in pictures:
+        store.piece(picture, (1024, 512), (0, 0, 1, 1))
+    kept = store._levels._arrays
+    assert sum(array.nbytes for array in kept.values()) <= 2 * one_decoded
+    assert ("picture-5",) in kept
+
+
+def test_nearest_respects_its_radius(pictures):
+    store = PictureStore(pictures)
+    assert store.nearest(44.50029, -28.0, 50).capture.id == "north"
+    assert store.nearest(44.50029, -28.0, 0.5) is None
+    # 0.0003 degrees of a great circle of 6371 km.
+    assert pictures[0].distance_m(44.5003, -28.0) == pytest.approx(33.36, abs=0.01)
