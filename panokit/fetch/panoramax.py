@@ -205,6 +205,7 @@ def _details(
         "local_time": properties.get("datetimetz"),
         "position_accuracy_m": properties.get("quality:horizontal_accuracy"),
         "instance": _link(item, "via"),
+        "synthetic": properties.get("panokit:synthetic"),
     }
     return {name: value for name, value in details.items() if value}
 
