@@ -22,6 +22,7 @@ _COMMANDS = {
     "inpaint": ("stages:inpaint", "Fill what the camera did not see"),
     "expand": ("stages:expand", "Panoramas to HDR environment maps"),
     "qa": ("qa:qa", "Check maps, compare them with references, write a report"),
+    "train": ("train:train", "Train an expansion network from its recipe"),
     "doctor": ("doctor:doctor", "What works on this machine, and how to mend what does not"),
 }
 _GROUPS = {

@@ -141,7 +141,7 @@ def qa(
         population = {}
     judged_maps = []
     for item in maps:
-        truth = item.truth_path or truths.get(item.name)
+        truth = item.truth_path or next((truths[n] for n in _names(item) if n in truths), None)
         judged = judge_item(item, settings, truth=truth, population=population.values())
         judged_maps.append(judged)
         if on_judged:
@@ -204,9 +204,14 @@ def _sort_references(
     found = find_maps(reference)
     if not found:
         raise UsageError(f"There are no .exr or .hdr maps in {reference} to compare with.")
-    judged = {item.name for item in maps}
+    judged = {name for item in maps for name in _names(item)}
     truths = {name: path for name, path in found.items() if name in judged}
     return truths, {name: path for name, path in found.items() if name not in judged}
+
+
+def _names(item: QaItem) -> tuple[str, ...]:
+    """What a map's truth may be called: as the map, or as the picture it was made of."""
+    return (item.name, item.capture.id) if item.capture else (item.name,)
 
 
 def _measure_references(

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from panokit.capture import Capture
-from panokit.errors import UsageError
-from panokit.io import HDR_SUFFIXES
+from panokit.errors import RecordError, UsageError
+from panokit.io import HDR_SUFFIXES, read_json
+from panokit.io.pictures import record_path
 
 _LDR_SUFFIX = ".jpg"
 
@@ -16,7 +17,8 @@ class QaItem:
     """One map to judge.
 
     Attributes:
-        name: What the report calls it; a reference of this name is its truth.
+        name: What the report calls it; a reference of this name, or of the capture's id, is
+            its truth.
         map_path: The .exr or .hdr file.
         panorama_path: The panorama as stitched, for the report; None if there is none.
         filled_path: The panorama with its holes filled, for the report; None if there is none.
@@ -79,4 +81,14 @@ def _item(map_path: Path, panoramas: Path, filled: Path) -> QaItem:
         map_path=map_path,
         panorama_path=stitched if stitched.exists() else None,
         filled_path=mended if mended.exists() and mended != stitched else None,
+        capture=_capture_of(map_path),
     )
+
+
+def _capture_of(map_path: Path) -> Capture | None:
+    """What the map's record says of its picture; a damaged record is told of when it is read."""
+    record = record_path(map_path)
+    try:
+        return Capture.from_json(read_json(record)["capture"]) if record.exists() else None
+    except (RecordError, KeyError, TypeError):
+        return None

@@ -1,0 +1,49 @@
+"""`panokit train`: a network from its recipe."""
+
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from panokit.console import Console
+from panokit.errors import MissingExtraError
+
+
+def train(
+    recipe: Path,
+    /,
+    *,
+    probes: Path,
+    work: Path = Path("work"),
+    cross_validate: Annotated[bool, Parameter(negative=())] = False,
+    processes: int = 2,
+) -> int:
+    """Train an expansion network from its recipe and release it beside the recipe.
+
+    Stop it whenever you like; the same command goes on. Needs panokit[train].
+
+    Parameters
+    ----------
+    recipe
+        The recipe, for instance models/expand-1/recipe.toml.
+    probes
+        A folder of HDR probes with its manifest.csv.
+    work
+        Where examples and checkpoints are kept.
+    cross_validate
+        Judge the recipe on held-out probes and write metrics.json, instead of releasing it.
+    processes
+        Processes for making the examples.
+    """
+    if find_spec("torch") is None:
+        raise MissingExtraError("torch", "train", "Training")
+    from panokit.train import stage
+
+    console = Console()
+    if cross_validate:
+        rows = stage.cross_validate(recipe, probes, work, processes=processes)
+        console.result(f"{len(rows)} scores in {recipe.parent / 'metrics.json'}")
+    else:
+        console.result(f"Released: {stage.train(recipe, probes, work, processes=processes)}")
+    return 0

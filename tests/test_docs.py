@@ -1,0 +1,79 @@
+"""What the documentation shows works: every command line parses, every Python example runs."""
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from panokit.cli.main import build_app
+from panokit.io import write_bytes, write_environment_map, write_panorama
+from panokit.io.captures import StoredCapture, write_capture
+from panokit.io.files import sha256_of_bytes
+from panokit.io.images import encode_jpeg
+
+ROOT = Path(__file__).parent.parent
+PAGES = [
+    ROOT / "README.md",
+    *sorted((ROOT / "docs").rglob("*.md")),
+    *ROOT.glob("models/*/README.md"),
+]
+COMMAND = re.compile(r"^(?:    |\$ )?(panokit [a-z][^\n]*?)\s*(?:#.*)?$", re.MULTILINE)
+# The network, and hours of training: their names must exist, the rest is tested elsewhere.
+IMPORTS_ONLY = {"fetch.md", "train.md"}
+EXAMPLE = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+
+def command_lines() -> list[tuple[str, str]]:
+    found = []
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8").replace("\\\n", " ")
+        blocks = re.findall(r"(?:^    .*\n|^```(?:sh|bash|console)?\n(?:.*\n)*?```)", text, re.M)
+        for block in blocks:
+            found += [(page.name, line) for line in COMMAND.findall(block)]
+    return sorted(set(found))
+
+
+def examples() -> list[tuple[str, str]]:
+    return [
+        (page.name, code)
+        for page in PAGES
+        for code in EXAMPLE.findall(page.read_text(encoding="utf-8"))
+    ]
+
+
+def test_there_are_commands_and_examples():
+    assert len(command_lines()) > 20
+    assert len(examples()) >= 2
+
+
+@pytest.mark.parametrize(("page", "line"), command_lines())
+def test_every_command_line_parses(page, line):
+    tokens = shlex.split(re.sub(r"\[[^\]]*\]|\s+\|.*", "", line))[1:]
+    build_app().parse_args(tokens, exit_on_error=False, print_error=True)
+
+
+@pytest.fixture
+def workspace(tmp_path, monkeypatch, street, sunny, capture):
+    """The files that the examples speak of."""
+    large = street.pixels.repeat(4, axis=0).repeat(4, axis=1)
+    panorama = street.with_changes(pixels=np.ascontiguousarray(large))
+    for name in ("street.jpg", "photo.jpg"):
+        write_panorama(panorama, tmp_path / name)
+    for name in ("probe.exr", "probes/probe.exr", "hdris/probe.exr"):
+        write_environment_map(sunny, tmp_path / name)
+    folder = tmp_path / "runs/bristol/captures/panoramax-4f1c"
+    data = encode_jpeg(panorama.pixels)
+    write_bytes(folder / "image.jpg", data)
+    files = {"image.jpg": sha256_of_bytes(data)}
+    write_capture(StoredCapture(folder=folder, capture=capture, files=files))
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize(("page", "code"), examples(), ids=[page for page, _ in examples()])
+@pytest.mark.usefixtures("workspace")
+def test_every_python_example_runs(page, code):
+    if page in IMPORTS_ONLY:
+        code = "\n".join(line for line in code.splitlines() if "import " in line)
+    exec(compile(code, page, "exec"), {"__name__": "example"})
