@@ -13,8 +13,9 @@ from panokit.sphere.sampling import pad_sphere
 
 # Only the largest components are described and scaled one by one.
 MOST_COMPONENTS = 12
-# A target pixel belongs to a component if at least this much of it is burnt out.
-LEAST_SHARE = 0.25
+# A pixel of which less than this is burnt out is no part of a component. Low on purpose: the
+# rim of a sun belongs to the sun, or it would keep a gain of its own and glow.
+LEAST_SHARE = 0.01
 # Distances to the edge are measured up to here; beyond it a component is wide.
 WIDEST_DEG = 20.0
 

@@ -23,10 +23,6 @@ FEATURES_VERSION = "1"
 ROLLS = 16
 
 
-# How much the component network counts beside the grid's, 0 to 1, in the mean of their logs.
-COMPONENT_WEIGHT = 0.5
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prediction:
     """What the networks say of a panorama.
@@ -46,12 +42,13 @@ class Prediction:
     grid_energy: NDArray[np.float64]
     component_energy: NDArray[np.float64]
 
-    def energies(self, component_weight: float = COMPONENT_WEIGHT) -> NDArray[np.float64]:
-        """The two networks' energies, (K + 1,), averaged in the log."""
-        energies = self.grid_energy.copy()
-        energies[1:] **= 1 - component_weight
-        energies[1:] *= self.component_energy**component_weight
-        return energies
+    @property
+    def energy(self) -> NDArray[np.float64]:
+        """(K + 1,): of the light outside the components, and each one's, the geometric mean
+        of what the two networks say.
+        """  # noqa: D205
+        each = np.sqrt(self.grid_energy[1:] * self.component_energy)
+        return np.concatenate([self.grid_energy[:1], each])
 
 
 class ExpansionNetwork:
@@ -81,7 +78,7 @@ class ExpansionNetwork:
         result = self._gain.run({"grid": rolled})
         back = [np.roll(gain, -i, axis=-1) for i, gain in enumerate(result["log_gain"])]
         dark, white = np.exp(np.log(result["slopes"]).mean(axis=0))
-        return np.mean(back, axis=0), (float(dark), float(white))
+        return _warm_or_cool(np.mean(back, axis=0)), (float(dark), float(white))
 
     def component_gain(self, features: NDArray[np.float32]) -> NDArray[np.float32]:
         """Log gain (K,) for `component_features` (K, 60)."""
@@ -121,22 +118,29 @@ def predict(reduced: ReducedPanorama, network: ExpansionNetwork) -> Prediction:
     )
 
 
-def compose(
-    reduced: ReducedPanorama,
-    prediction: Prediction,
-    component_weight: float = COMPONENT_WEIGHT,
-) -> NDArray[np.float32]:
+def compose(reduced: ReducedPanorama, prediction: Prediction) -> NDArray[np.float32]:
     """Radiance (H, W, 3) from a panorama and what the networks say of it.
 
     Pixels that are not burnt out change by the estimated camera curve only; burnt-out ones
     never get darker.
     """
-    energies = prediction.energies(component_weight)
-    lost = spread_gain(prediction.log_gain, reduced, prediction.components, energies)
+    lost = spread_gain(prediction.log_gain, reduced, prediction.components, prediction.energy)
     open_share = np.maximum(1 - reduced.share, 1e-3)[..., None]
     unburnt = np.clip(reduced.clear / open_share, 0, 1)
     clear = apply_curve(unburnt, *prediction.curve_slopes) * open_share
     return np.ascontiguousarray(clear + reduced.burnt + lost, np.float32)
+
+
+def _warm_or_cool(log_gain: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The gain with its color kept on the way from warm to cool, where light sources lie.
+
+    What a network says of green against magenta is noise, and shows: a magenta sun. What is
+    left has the same change, with opposite signs, in red and blue.
+    """
+    red, green, blue = log_gain
+    level = (red + green + blue) / 3
+    warmth = (red - blue) / 2
+    return np.stack([level + warmth, level, level - warmth])
 
 
 @lru_cache(maxsize=2)

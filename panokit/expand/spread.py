@@ -12,7 +12,10 @@ from panokit.sphere import row_solid_angles
 
 # Up to this half-width a component's light is drawn toward its middle, as a lamp's or a
 # sun's is behind its glare; wider ones (skies, windows) are shaped by the grid alone.
-COMPACT_DEG = 6.0
+COMPACT_DEG = 12.0
+# The light falls with at most this power of the distance from the component's edge; a power
+# of 4 puts half a sun's light within the middle quarter of its glare.
+STEEPEST = 4.0
 
 
 def grid_energies(
@@ -54,10 +57,14 @@ def spread_gain(
         energies: (K + 1,), as `grid_energies` returns them: what each region should have.
     """
     gain = np.exp(np.maximum(_interpolated(log_gain, reduced), 0))
-    excess = reduced.burnt * (gain - 1) * _toward_middle(components)[..., None]
     shown = _sum_by_label(luminance(reduced.burnt), components)
-    drawn = _sum_by_label(luminance(excess), components)
     wanted = np.maximum(energies - shown, 0)
+    excess = (
+        reduced.burnt
+        * (gain - 1)
+        * _toward_middle(components, wanted / np.maximum(shown, 1e-12))[..., None]
+    )
+    drawn = _sum_by_label(luminance(excess), components)
     scale = np.divide(wanted, drawn, out=np.zeros_like(drawn), where=drawn > 1e-12)
     return excess * scale.astype(np.float32)[components.labels][..., None]
 
@@ -68,17 +75,23 @@ def _sum_by_label(light: NDArray[np.floating], components: Components) -> NDArra
     return np.bincount(components.labels.ravel(), weighted.ravel(), len(components) + 1)
 
 
-def _toward_middle(components: Components) -> NDArray[np.float32]:
-    """Weights in (0, 1] that fall to the edge of compact components, 1 elsewhere."""
+def _toward_middle(
+    components: Components, times_brighter: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """Weights in (0, 1] that fall to the edge of compact components, 1 elsewhere.
+
+    The brighter a component is beyond what its picture shows, the more of what the picture
+    shows is glare, and the smaller the source within.
+    """
     radius = np.zeros(len(components) + 1, np.float32)
     np.maximum.at(radius, components.labels.ravel(), components.edge_deg.ravel())
-    radius[0] = np.inf
-    power = np.clip(2 - 2 * radius / COMPACT_DEG, 0, 1)
+    compact = np.clip(2 - 2 * radius / COMPACT_DEG, 0, 1)
+    power = compact * np.clip(np.log1p(times_brighter) / 1.5, 0, STEEPEST)
     inside = components.labels > 0
-    weights = np.ones(components.labels.shape, np.float32)
     label = components.labels[inside]
-    relative = np.maximum(components.edge_deg[inside] / np.maximum(radius[label], 1e-6), 0.05)
-    weights[inside] = relative ** power[label]
+    relative = components.edge_deg[inside] / np.maximum(radius[label], 1e-6)
+    weights = np.ones(components.labels.shape, np.float32)
+    weights[inside] = np.maximum(relative, 0.05) ** power[label]
     return weights
 
 

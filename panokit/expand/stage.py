@@ -77,7 +77,7 @@ def _expanded(
         return ANALYTIC[model](reduced), "", {}
     network = load_network(model)
     prediction = predict(reduced, network)
-    gains = prediction.energies()[1:] / prediction.components.energy
+    gains = prediction.energy[1:] / prediction.components.energy
     found = {
         "curve_slopes": [round(slope, 4) for slope in prediction.curve_slopes],
         "component_gains": [round(float(gain), 3) for gain in gains],

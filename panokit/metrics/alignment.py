@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from panokit.errors import ItemError
 from panokit.sphere import row_solid_angles
 
+DARKEST_CODE, BRIGHTEST_CODE = 3, 245
+
 
 def alignment_gain(
     estimate: NDArray[np.floating[Any]], truth: NDArray[np.floating[Any]], ldr: NDArray[np.uint8]
@@ -15,8 +17,9 @@ def alignment_gain(
     """The factor on the estimate that fits it best to the truth where the LDR picture knew it.
 
     s = sum(w p g) / sum(w p^2) over the RGB samples of the pixels that are clipped at neither
-    end (no channel 0 or 255), with solid angles as weights: the field's convention, with the
-    weights of the sphere added.
+    end, with solid angles as weights: the field's convention, with the weights of the sphere
+    added. Pixels with a channel below `DARKEST_CODE` or above `BRIGHTEST_CODE` count as
+    clipped: JPEG blurs the ends, and one lamp taken for unclipped would decide the gain.
 
     Args:
         estimate: (H, W, 3), linear.
@@ -26,7 +29,7 @@ def alignment_gain(
     Raises:
         ItemError: If no pixel can be compared.
     """
-    inside = (ldr.min(axis=2) > 0) & (ldr.max(axis=2) < 255)
+    inside = (ldr.min(axis=2) >= DARKEST_CODE) & (ldr.max(axis=2) <= BRIGHTEST_CODE)
     height, width = inside.shape
     weights = inside * row_solid_angles(height, width)[:, None]
     norm = float(np.einsum("hw,hwc,hwc->", weights, estimate, estimate))

@@ -59,9 +59,11 @@ class ExpansionScore:
     pu21_db: float
     pu21_crf_db: float
 
-    def to_json(self) -> dict[str, float]:
-        """A dictionary for `json.dump`."""
-        return asdict(self)
+    def to_json(self) -> dict[str, float | None]:
+        """A dictionary for `json.dump`; what is not finite becomes None."""
+        return {
+            name: value if np.isfinite(value) else None for name, value in asdict(self).items()
+        }
 
 
 def score_expansion(

@@ -1,6 +1,6 @@
 """Network definitions (torch); nothing here is needed to run a released model.
 
-    gain_net       log gain on a 128x64 grid, and the camera's curve
-    component_net  log gain of each burnt-out component
-    curve          the torch twin of the response curve in `panokit.expand`
+gain_net       log gain on a 128x64 grid, and the camera's curve
+component_net  log gain of each burnt-out component
+curve          the torch twin of the response curve in `panokit.expand`
 """

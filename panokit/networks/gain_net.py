@@ -1,5 +1,7 @@
 """The gain network: how much brighter than white each burnt-out place really is."""
 
+from itertools import pairwise
+
 import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
@@ -23,16 +25,12 @@ class GainNet(nn.Module):
     def __init__(self, inputs: int = 16, dropout: float = 0.0) -> None:
         super().__init__()
         sizes = [inputs, *WIDTHS]
-        self.down = nn.ModuleList(
-            SphereBlock(a, b) for a, b in zip(sizes[:-1], sizes[1:], strict=True)
-        )
+        self.down = nn.ModuleList(SphereBlock(a, b) for a, b in pairwise(sizes))
         self.code = nn.Sequential(
             nn.Dropout(dropout), nn.Linear(2 * WIDTHS[-1], CODE), nn.SiLU(), nn.Linear(CODE, CODE)
         )
         upward = list(reversed(WIDTHS))
-        self.up = nn.ModuleList(
-            SphereBlock(a + b, b, CODE) for a, b in zip(upward[:-1], upward[1:], strict=True)
-        )
+        self.up = nn.ModuleList(SphereBlock(a + b, b, CODE) for a, b in pairwise(upward))
         self.head = nn.Conv2d(WIDTHS[0], 4, 1)
         self.scalars = nn.Linear(CODE, 3)
         nn.init.zeros_(self.scalars.weight)

@@ -26,7 +26,7 @@ from panokit.weights import read_model
 
 FOLDS = 5
 TEST_CAMERAS = (CAMERA_A, CAMERA_B)
-METHODS = ("ldr", "srgb", "reinhard", "area", "recipe", "grid only", "components only")
+METHODS = ("ldr", "srgb", "reinhard", "area", "recipe")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,7 +106,4 @@ def _estimates(
     yield "srgb", expand_srgb(reduced)
     yield "reinhard", expand_reinhard(reduced)
     yield "area", expand_area(reduced, rule)
-    prediction = predict(reduced, network)
-    yield "recipe", compose(reduced, prediction)
-    yield "grid only", compose(reduced, prediction, component_weight=0)
-    yield "components only", compose(reduced, prediction, component_weight=1)
+    yield "recipe", compose(reduced, predict(reduced, network))
