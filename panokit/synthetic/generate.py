@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.envmap import Anchor, EnvironmentMap
+from panokit.errors import UsageError
 from panokit.frames import Frame, Rotation
 from panokit.io import write_environment_map, write_panorama
 from panokit.io.pictures import record_path
@@ -113,7 +114,7 @@ def sky_of(shot: Shot) -> Sky:
         return overcast_sky(shot.seed)
     capture = shot.capture
     if capture.latitude_deg is None or capture.longitude_deg is None or capture.time is None:
-        raise ValueError("A planned shot has a position and a time.")
+        raise UsageError(f"Shot {capture.id!r} needs a position and a time; use plan_shots.")
     sun = sun_direction(capture.latitude_deg, capture.longitude_deg, capture.time)
     clear = clear_sky(sun, _TURBIDITY)
     return clear if shot.weather == "clear" else with_clouds(clear, shot.seed)

@@ -33,7 +33,7 @@ def build_car(parts: Parts, car: Thing) -> None:
         for z in (-1.32, 1.28):
             _wheel(here, x, z)
     _lights(here)
-    here.box(DARK_METAL, [-0.84, 0.16, -1.95], [0.84, 0.34, 1.95])
+    here.box(DARK_METAL, [-0.76, 0.16, -1.75], [0.76, 0.34, 1.75])
 
 
 def _body(stations: Floats, sill_m: float) -> Floats:
