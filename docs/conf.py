@@ -4,7 +4,7 @@ from panokit import __version__
 
 project = "panokit"
 author = "The panokit authors"
-copyright = "2026, the panokit authors"  # noqa: A001
+copyright = "2026, the panokit authors"
 release = version = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["colon_fence", "deflist"]

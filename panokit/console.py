@@ -108,8 +108,10 @@ class Console:
                 last = now
                 self._say(name, counts, total, now - started)
 
+        said = -1
         yield self._counter(report)
-        self._say(name, counts, total, time.monotonic() - started)
+        if counts["done"] != said:
+            self._say(name, counts, total, time.monotonic() - started)
 
     def _say(self, name: str, counts: Mapping[str, int], total: int | None, seconds: float) -> None:
         of = "" if total is None else f" of {total}"

@@ -22,6 +22,7 @@ from panokit.io.pictures import record_path
 from panokit.panorama import Panorama
 from panokit.provenance import Provenance, Step
 from panokit.sphere import energy, resize_radiance
+from panokit.sun import sun_direction
 from panokit.synthetic.building_site import build_place, world_placement
 from panokit.synthetic.city import PlacePlan
 from panokit.synthetic.materials import Texture
@@ -31,7 +32,7 @@ from panokit.synthetic.render import View, render_radiance
 from panokit.synthetic.scene import clear_sky, load_scene
 from panokit.synthetic.settings import VERSION, CitySettings
 from panokit.synthetic.shots import Shot, plan_shots
-from panokit.synthetic.sky import Sky, night_sky, overcast_sky, sun_direction, with_clouds
+from panokit.synthetic.sky import Sky, night_sky, overcast_sky, with_clouds
 
 PANORAMAS, TRUTH = "panoramas", "truth"
 _TURBIDITY = 3.0

@@ -18,7 +18,8 @@ from panokit.errors import MissingExtraError
 from panokit.frames import Rotation
 from panokit.renderer import load_mitsuba
 from panokit.sphere import equirect_directions
-from panokit.synthetic.sky import SUN_RADIUS, SUN_SOLID_ANGLE, Sky
+from panokit.sun import SUN_RADIUS, SUN_SOLID_ANGLE
+from panokit.synthetic.sky import Sky
 
 Picture = NDArray[np.float32]
 # Sunlight that comes by way of a mirror-like pane meets one path in thousands.

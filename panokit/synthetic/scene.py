@@ -12,9 +12,10 @@ import numpy as np
 
 from panokit.renderer import environment_emitter, load_mitsuba
 from panokit.sphere import equirect_directions
+from panokit.sun import SUN_RADIUS
 from panokit.synthetic.materials import Material, Texture
 from panokit.synthetic.shapes import Mesh
-from panokit.synthetic.sky import SKY_WIDTH_PX, SUN_RADIUS, Sky
+from panokit.synthetic.sky import SKY_WIDTH_PX, Sky
 from panokit.synthetic.textures import paint
 
 _SUN_DISTANCE_M = 6000.0

@@ -8,10 +8,11 @@ import numpy as np
 
 from panokit.capture import Capture, TimePrecision, license_from_spdx
 from panokit.frames import azimuth_elevation_from_direction
+from panokit.sun import sun_direction
 from panokit.synthetic.city import PlaceKind
 from panokit.synthetic.places import plan_place
 from panokit.synthetic.settings import CitySettings
-from panokit.synthetic.sky import Weather, sun_direction
+from panokit.synthetic.sky import Weather
 
 ATTRIBUTION = "panokit synthetic city"
 # In the open Atlantic, so that nobody takes it for a real town.

@@ -6,23 +6,17 @@ apart: a disk with one radiance, so that its energy is exact at any resolution.
 
 import math
 from dataclasses import dataclass
-from datetime import datetime
 from typing import Any, Literal
 
 import cv2
 import numpy as np
-from astral import Observer
-from astral.sun import azimuth, elevation
 from numpy.typing import NDArray
 
-from panokit.frames import direction_from_azimuth_elevation
 from panokit.sphere import equirect_directions
 
 Weather = Literal["clear", "cloudy", "overcast", "night"]
 Picture = NDArray[np.floating[Any]]
 
-SUN_RADIUS = math.radians(0.5332 / 2)
-SUN_SOLID_ANGLE = 2 * math.pi * (1 - math.cos(SUN_RADIUS))
 SKY_WIDTH_PX = 1024
 
 
@@ -39,16 +33,6 @@ class Sky:
     radiance: Picture
     sun_direction: NDArray[np.float64] | None
     sun_radiance: NDArray[np.float64]
-
-
-def sun_direction(latitude_deg: float, longitude_deg: float, time: datetime) -> NDArray[np.float64]:
-    """Where the sun stands, as a unit direction in the world frame."""
-    observer = Observer(latitude_deg, longitude_deg)
-    return np.asarray(
-        direction_from_azimuth_elevation(
-            math.radians(azimuth(observer, time)), math.radians(elevation(observer, time))
-        )
-    )
 
 
 def overcast_sky(seed: int) -> Sky:

@@ -7,6 +7,7 @@ import pytest
 
 from panokit.frames import azimuth_elevation_from_direction
 from panokit.sphere import energy, row_solid_angles
+from panokit.sun import SUN_SOLID_ANGLE, sun_direction
 from panokit.synthetic import CitySettings
 from panokit.synthetic.building_site import build_place
 from panokit.synthetic.city import PlacePlan
@@ -16,11 +17,9 @@ from panokit.synthetic.render import sun_picture
 from panokit.synthetic.scene import write_ply
 from panokit.synthetic.shots import plan_shots
 from panokit.synthetic.sky import (
-    SUN_SOLID_ANGLE,
     Sky,
     night_sky,
     overcast_sky,
-    sun_direction,
     with_clouds,
 )
 from panokit.synthetic.textures import _PATTERNS, paint

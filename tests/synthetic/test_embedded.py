@@ -13,8 +13,8 @@ from panokit.sphere import (
     resize_radiance,
     rotate_radiance,
 )
+from panokit.sun import SUN_SOLID_ANGLE, sun_direction
 from panokit.synthetic import embedded_city, embedded_truth
-from panokit.synthetic.sky import SUN_SOLID_ANGLE, sun_direction
 
 
 @pytest.fixture(scope="module")
