@@ -27,7 +27,7 @@ class AreaRule:
 
 
 # Fitted on all usable training probes, see docs/experiments.md.
-SHIPPED_AREA_RULE = AreaRule(offset=1.874, slope=-0.3344)
+SHIPPED_AREA_RULE = AreaRule(offset=0.8324, slope=-0.2121)
 
 
 def expand_srgb(reduced: ReducedPanorama) -> NDArray[np.float32]:

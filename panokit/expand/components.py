@@ -57,15 +57,15 @@ def find_components(reduced: ReducedPanorama) -> Components:
     return Components(
         labels=labels,
         edge_deg=_edge_distance(mask),
-        solid_angle=sizes[largest],
-        energy=energies[1:],
+        solid_angle=np.asarray(sizes[largest], np.float64),
+        energy=np.asarray(energies[1:], np.float64),
     )
 
 
 def sum_by_component(values: NDArray[np.floating], components: Components) -> NDArray[np.float64]:
     """The sum of a map (H, W) within each component, (K,) float64."""
     sums = np.bincount(components.labels.ravel(), values.ravel(), len(components) + 1)
-    return sums[1:]
+    return np.asarray(sums[1:], np.float64)
 
 
 def _edge_distance(mask: NDArray[np.bool_]) -> NDArray[np.float32]:

@@ -126,7 +126,7 @@ def compose(reduced: ReducedPanorama, prediction: Prediction) -> NDArray[np.floa
     """
     lost = spread_gain(prediction.log_gain, reduced, prediction.components, prediction.energy)
     open_share = np.maximum(1 - reduced.share, 1e-3)[..., None]
-    unburnt = np.clip(reduced.clear / open_share, 0, 1)
+    unburnt = np.asarray(np.clip(reduced.clear / open_share, 0, 1), np.float32)
     clear = apply_curve(unburnt, *prediction.curve_slopes) * open_share
     return np.ascontiguousarray(clear + reduced.burnt + lost, np.float32)
 

@@ -120,7 +120,7 @@ def _average_columns(planes: NDArray[np.float32], width_px: int) -> NDArray[np.f
     # As one picture of a single channel: OpenCV averages areas of at most four channels.
     lines = planes.reshape(count * height, width)
     narrow = cv2.resize(lines, (width_px, count * height), interpolation=cv2.INTER_AREA)
-    return narrow.reshape(count, height, width_px)
+    return np.asarray(narrow, np.float32).reshape(count, height, width_px)
 
 
 def _from_planes(planes: NDArray[np.float32]) -> ReducedPanorama:

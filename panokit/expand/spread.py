@@ -72,7 +72,8 @@ def spread_gain(
 def _sum_by_label(light: NDArray[np.floating], components: Components) -> NDArray[np.float64]:
     height, width = light.shape
     weighted = light * row_solid_angles(height, width)[:, None]
-    return np.bincount(components.labels.ravel(), weighted.ravel(), len(components) + 1)
+    sums = np.bincount(components.labels.ravel(), weighted.ravel(), len(components) + 1)
+    return np.asarray(sums, np.float64)
 
 
 def _toward_middle(
@@ -104,13 +105,14 @@ def _interpolated(log_gain: NDArray[np.float32], reduced: ReducedPanorama) -> ND
     column = (np.arange(width, dtype=np.float32) + 0.5) * (GRID_WIDTH_PX / width) + 1.5
     row = (np.arange(height, dtype=np.float32) + 0.5) * (GRID_HEIGHT_PX / height) - 0.5
     row = np.clip(row, 0, GRID_HEIGHT_PX - 1)
-    return cv2.remap(
+    interpolated = cv2.remap(
         wrapped,
         np.broadcast_to(column[None, :], (height, width)).copy(),
         np.broadcast_to(row[:, None], (height, width)).copy(),
         cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_REPLICATE,
     )
+    return np.asarray(interpolated, np.float32)
 
 
 def _filled(grid: NDArray[np.float32], share: NDArray[np.float32]) -> NDArray[np.float32]:

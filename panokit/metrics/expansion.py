@@ -61,9 +61,7 @@ class ExpansionScore:
 
     def to_json(self) -> dict[str, float | None]:
         """A dictionary for `json.dump`; what is not finite becomes None."""
-        return {
-            name: value if np.isfinite(value) else None for name, value in asdict(self).items()
-        }
+        return {name: value if np.isfinite(value) else None for name, value in asdict(self).items()}
 
 
 def score_expansion(

@@ -79,7 +79,7 @@ def peak_error_deg(estimate: Radiance, truth: Radiance) -> float:
     return float(np.degrees(angle_between(peak_direction(estimate), peak_direction(truth))))
 
 
-def check_same_shape(estimate: Radiance, truth: Radiance) -> None:
+def check_same_shape(estimate: NDArray[Any], truth: NDArray[Any]) -> None:
     """Check that two maps can be compared pixel by pixel.
 
     Raises:

@@ -76,12 +76,12 @@ def judge_fold(
     rule = fit_area_rule(examples.of_probes(np.flatnonzero(folds != fold)))
     network = ExpansionNetwork(read_model(model), threads=1)
     rows = []
-    for index in np.flatnonzero(folds == fold):
+    for index in np.flatnonzero(folds == fold).tolist():
         probe = probes[index]
         radiance = probe.radiance()
         for camera in TEST_CAMERAS:
             # Far from the seeds of the training pictures.
-            shot = photograph(radiance, camera, seed=1_000_000_000 + int(index))
+            shot = photograph(radiance, camera, seed=1_000_000_000 + index)
             truth = radiance * np.float32(shot.exposure)
             reduced = reduce_panorama(shot.pixels, radiance.shape[1])
             rows += [

@@ -85,7 +85,8 @@ def train_gain_net(
             logger.info("gain net %d step %d loss %.3f", seed, run.step, float(loss.detach()))
             if checkpoint is not None:
                 run.save(checkpoint)
-    return _released(run)
+    _take_average(run)
+    return network.eval()
 
 
 def train_component_net(examples: Examples, recipe: ComponentRecipe, *, seed: int) -> ComponentNet:
@@ -106,7 +107,8 @@ def train_component_net(examples: Examples, recipe: ComponentRecipe, *, seed: in
         batch = {name: tensor[picked] for name, tensor in tensors.items()}
         log_gain = network(batch.pop("features"), recipe.noise)
         _step(run, component_loss(log_gain, **batch))
-    return _released(run)
+    _take_average(run)
+    return network.eval()
 
 
 def _start(network: nn.Module, recipe: NetworkRecipe | ComponentRecipe) -> _Run:
@@ -146,8 +148,13 @@ def _grid_batch(
     return tint(grid, clear, burnt, log_color)
 
 
-def _released(run: _Run) -> nn.Module:
-    network = run.average.module
-    if all(bool(torch.isfinite(value).all()) for value in network.state_dict().values()):
-        return network.eval()
-    raise ModelError("Training diverged: weights are not finite. Lower the learning rate.")
+def _take_average(run: _Run) -> None:
+    """Give the network the average of its weights over the steps.
+
+    Raises:
+        ModelError: If training diverged.
+    """
+    average = run.average.module.state_dict()
+    if not all(bool(torch.isfinite(value).all()) for value in average.values()):
+        raise ModelError("Training diverged: weights are not finite. Lower the learning rate.")
+    run.network.load_state_dict(average)
