@@ -4,11 +4,12 @@ import pytest
 from panokit.frames import Rotation, direction_from_azimuth_elevation
 from panokit.io import read_environment_map, read_panorama
 from panokit.sphere import energy, equirect_directions, resize_radiance, rotate_radiance
+from panokit.sun import SUN_SOLID_ANGLE
 from panokit.synthetic import CitySettings, render_city
 from panokit.synthetic.generate import TRUTH
 from panokit.synthetic.render import View, render_radiance
 from panokit.synthetic.scene import clear_sky, load_scene
-from panokit.synthetic.sky import SUN_SOLID_ANGLE, Sky
+from panokit.synthetic.sky import Sky
 
 pytestmark = pytest.mark.render
 
