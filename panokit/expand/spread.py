@@ -12,7 +12,10 @@ from panokit.sphere import row_solid_angles
 
 # Up to this half-width a component's light is drawn toward its middle, as a lamp's or a
 # sun's is behind its glare; wider ones (skies, windows) are shaped by the grid alone.
-COMPACT_DEG = 12.0
+COMPACT_DEG = 8.0
+# Panels and windows are evenly lit and few times brighter than white; what is far brighter is a
+# small source, and most of its burnt-out blob is glare.
+GLARE_GAIN = 8.0
 # The light falls with at most this power of the distance from the component's edge; a power
 # of 4 puts half a sun's light within the middle quarter of its glare.
 STEEPEST = 4.0
@@ -87,7 +90,7 @@ def _toward_middle(
     radius = np.zeros(len(components) + 1, np.float32)
     np.maximum.at(radius, components.labels.ravel(), components.edge_deg.ravel())
     compact = np.clip(2 - 2 * radius / COMPACT_DEG, 0, 1)
-    power = compact * np.clip(np.log1p(times_brighter) / 1.5, 0, STEEPEST)
+    power = compact * np.clip(np.log((times_brighter + 1) / GLARE_GAIN), 0, STEEPEST)
     inside = components.labels > 0
     label = components.labels[inside]
     relative = components.edge_deg[inside] / np.maximum(radius[label], 1e-6)

@@ -31,9 +31,12 @@ class KnownNetwork:
 
     digest = "0" * 64
 
-    def __init__(self, grid_gain: float = 4.0, component_gain: float = 9.0) -> None:
-        self._grid, self._component = np.log(grid_gain), np.log(component_gain)
+    def __init__(self) -> None:
         self.slopes = (1.0, 1.0)
+        self.set_gains(4.0, 9.0)
+
+    def set_gains(self, grid: float, component: float) -> None:
+        self._grid, self._component = np.log(grid), np.log(component)
 
     def grid_gain(self, grid):
         # It varies with the picture, but with nothing that a roll changes.
