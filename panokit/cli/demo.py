@@ -15,10 +15,10 @@ def demo(*, out: Path = Path("demo"), json: Json = False) -> int:
     out
         Where everything goes.
     """
-    from panokit.pipeline import run_demo
+    from panokit.pipeline.demo import demo_settings, run_demo
 
     console = Console(as_json=json)
     result = run_demo(out, console)
-    code = report_run(result, 0.0, console)
+    code = report_run(result, demo_settings().max_rejected_share, console)
     console.result(f"Open it in a browser: {(out / 'qa' / 'report.html').resolve().as_uri()}")
     return code

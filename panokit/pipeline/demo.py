@@ -24,7 +24,7 @@ def run_demo(out: Path, console: Console) -> RunResult:
         console: Says how it goes.
     """
     pictures = embedded_city()
-    settings = load_settings(shipped_path("pipelines/demo.toml"), PipelineSettings)
+    settings = demo_settings()
     with StreetServer(pictures) as server:
         console.note(
             f"Serving {len(pictures)} panoramas of the embedded city at {server.url}, on this "
@@ -39,6 +39,11 @@ def run_demo(out: Path, console: Console) -> RunResult:
             ),
             console,
         )
+
+
+def demo_settings() -> PipelineSettings:
+    """The demo's pipeline; the server's address, places and truth are filled in by `run_demo`."""
+    return load_settings(shipped_path("pipelines/demo.toml"), PipelineSettings)
 
 
 def demo_places() -> tuple[PlaceSettings, ...]:
