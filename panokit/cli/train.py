@@ -17,6 +17,7 @@ def train(
     probes: Path,
     work: Path = Path("work"),
     cross_validate: Annotated[bool, Parameter(negative=())] = False,
+    fold_members: int | None = None,
     processes: int = 2,
 ) -> int:
     """Train an expansion network from its recipe and release it beside the recipe.
@@ -33,6 +34,8 @@ def train(
         Where examples and checkpoints are kept.
     cross_validate
         Judge the recipe on held-out probes and write metrics.json, instead of releasing it.
+    fold_members
+        Gain networks in each fold, if fewer than the recipe's will do.
     processes
         Processes for making the examples.
     """
@@ -42,7 +45,9 @@ def train(
 
     console = Console()
     if cross_validate:
-        rows = stage.cross_validate(recipe, probes, work, processes=processes)
+        rows = stage.cross_validate(
+            recipe, probes, work, fold_members=fold_members, processes=processes
+        )
         console.result(f"{len(rows)} scores in {recipe.parent / 'metrics.json'}")
     else:
         console.result(f"Released: {stage.train(recipe, probes, work, processes=processes)}")

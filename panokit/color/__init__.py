@@ -1,9 +1,9 @@
 """How light becomes picture values, and back.
 
-    transfer   the sRGB curve, exact both ways
-    luminance  Rec.709 luminance, and its statistics over the sphere
-    tonemap    pictures of HDR maps for people to look at
-    camera     LDR pictures from HDR maps: the camera presets A and B
+transfer   the sRGB curve, exact both ways
+luminance  Rec.709 luminance, and its statistics over the sphere
+tonemap    pictures of HDR maps for people to look at
+camera     LDR pictures from HDR maps: the camera presets A and B
 """
 
 from panokit.color.luminance import luminance, weighted_percentile
