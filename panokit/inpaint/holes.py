@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 
 from panokit.errors import ImageError, UsageError
 from panokit.frames import Rotation
+from panokit.inpaint.legs import find_legs
 from panokit.inpaint.nadir import NadirCap, find_nadir_cap
 from panokit.inpaint.settings import InpaintSettings
 from panokit.panorama import Panorama
 from panokit.sphere import equirect_directions
 
 _DOWN = np.array([0.0, -1.0, 0.0])
+# Below this difference, in radians, the points below camera and world are one.
+_SAME_POINT = 0.003
 _STRIP_PIXELS = 1 << 21
 
 
@@ -62,12 +65,15 @@ def find_holes(
         )
         report = {"finder": "given", **details}
     elif settings.nadir_deg == "auto" and mask is None:
-        cap = find_nadir_cap(panorama.pixels, down)
+        cap, center = _plainest_cap(panorama, down)
         report = {"finder": "auto", **_described(cap)}
         if cap is not None and cap.is_a_hole:
-            found = cap_mask(*size, down, cap.radius_deg)
+            found = cap_mask(*size, center, cap.radius_deg)
+            if cap.cue == "color":
+                legs, report["legs"] = find_legs(panorama.pixels, center, cap.radius_deg)
+                found |= legs
             holes.append(
-                Hole(kind="nadir", mask=found, confidence=cap.confidence, details=_described(cap))
+                Hole(kind="nadir", mask=found, confidence=cap.confidence, details=dict(report))
             )
     holes = [hole for hole in holes if hole.mask.any()]
     if holes and np.logical_or.reduce([hole.mask for hole in holes]).all():
@@ -90,6 +96,23 @@ def camera_down(panorama: Panorama) -> NDArray[np.float64]:
     capture = panorama.capture
     pose = (capture.heading_deg or 0.0, capture.pitch_deg or 0.0, capture.roll_deg or 0.0)
     return np.asarray(Rotation.from_heading_pitch_roll(*np.deg2rad(pose)).apply(_DOWN))
+
+
+def _plainest_cap(
+    panorama: Panorama, down: NDArray[np.float64]
+) -> tuple[NadirCap | None, NDArray[np.float64]]:
+    """The cap that most directions agree on, and its center.
+
+    A car tilts together with its camera; a tripod stays plumb below a tilted one. So in a
+    picture that was turned level a cap is looked for around both points.
+    """
+    cap = find_nadir_cap(panorama.pixels, down)
+    if np.allclose(down, _DOWN, atol=_SAME_POINT):
+        return cap, down
+    plumb = find_nadir_cap(panorama.pixels, _DOWN)
+    if plumb is not None and (cap is None or plumb.confidence > cap.confidence):
+        return plumb, _DOWN
+    return cap, down
 
 
 def cap_mask(

@@ -3,7 +3,7 @@
 A cap ends at the same angle all the way round. The world does not do that: a curb, a shadow
 or a tripod's leg crosses some directions and not others. So the picture is unrolled around
 the point below the camera, and a ring of change is looked for that nearly every direction
-agrees on: of color, or of sharpness. Tripods are not caps and are not found.
+agrees on: of color, or of sharpness. A tripod without a plate is no cap and is not found.
 """
 
 from dataclasses import dataclass
@@ -13,21 +13,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.color.luminance import REC709_LUMINANCE
-from panokit.sphere import sample
+from panokit.inpaint.unroll import ROW_DEG, unrolled
 
-_REACH_DEG = 70.0
-_ROW_DEG = 0.125
-_COLUMNS = 1440
 _SECTORS = 36
 _SMALLEST_DEG, _LARGEST_FILLED_DEG, _LARGEST_DEG = 3.0, 40.0, 62.0
-_LEAST_AGREEMENT = 0.85
-# Gray levels by which the color must change within a degree and a half.
-_COLOR_STEP = 10.0
+# By how much the color must change within a degree and a half: a share of how bright it is
+# there, so that a dark cap shows at night, within bounds, as lengths in RGB of 0 to 255.
+_COLOR_SHARE = 0.1
+_SMALLEST_COLOR_STEP, _LARGEST_COLOR_STEP = 4.0, 10.0
 _COLOR_WINDOW_DEG = 0.75
+# A tripod's three legs leave the edge undecided in up to a quarter of the directions.
+_COLOR_AGREEMENT = 0.7
 # Sharpness in the cap over that above it, and what counts as sharp at all.
 _SHARPNESS_RATIO = 0.3
 _SHARP = 1.0
 _SHARPNESS_WINDOW_DEG = 3.0
+_SHARPNESS_AGREEMENT = 0.85
 _MARGIN_DEG = 0.5
 
 
@@ -58,43 +59,32 @@ def find_nadir_cap(pixels: NDArray[np.uint8], down: NDArray[np.floating]) -> Nad
         pixels: (H, W, 3) uint8, equirectangular.
         down: (3,), the direction below the camera.
     """
-    unrolled = _unrolled(pixels, down)
-    sectors = unrolled.reshape(len(unrolled), _SECTORS, -1, 3)
+    rows = unrolled(pixels, down)
+    sectors = rows.reshape(len(rows), _SECTORS, -1, 3)
     found = [
-        _ring(_color_change(sectors), "color"),
+        _ring(_color_change(sectors), "color", _COLOR_AGREEMENT),
         # The loss shows once the window holds little of what is sharp: a little inside the edge.
-        _ring(_sharpness_loss(sectors), "blur", _SHARPNESS_RATIO * _SHARPNESS_WINDOW_DEG),
+        _ring(
+            _sharpness_loss(sectors),
+            "blur",
+            _SHARPNESS_AGREEMENT,
+            shift_deg=_SHARPNESS_RATIO * _SHARPNESS_WINDOW_DEG,
+        ),
     ]
     caps = [cap for cap in found if cap is not None]
     return max(caps, key=lambda cap: (cap.confidence, cap.cue == "color"), default=None)
 
 
-def _unrolled(pixels: NDArray[np.uint8], down: NDArray[np.floating]) -> NDArray[np.float32]:
-    """The picture with the angle from `down` as rows and the azimuth around it as columns."""
-    width = 4 * _COLUMNS
-    if pixels.shape[1] > width:
-        reduced = cv2.resize(pixels, (width, width // 2), interpolation=cv2.INTER_AREA)
-        pixels = np.asarray(reduced, np.uint8)
-    angle = np.deg2rad((np.arange(int(_REACH_DEG / _ROW_DEG)) + 0.5) * _ROW_DEG)[:, None, None]
-    around = (np.arange(_COLUMNS) / _COLUMNS * 2 * np.pi)[None, :, None]
-    axis = np.asarray(down, np.float64) / np.linalg.norm(down)
-    side = np.cross(axis, (1.0, 0, 0) if abs(axis[0]) < 0.9 else (0, 0, 1.0))
-    side /= np.linalg.norm(side)
-    across = np.cross(axis, side)
-    directions = np.cos(angle) * axis + np.sin(angle) * (
-        np.cos(around) * side + np.sin(around) * across
-    )
-    return np.asarray(sample(pixels, directions.astype(np.float32)), np.float32)
-
-
 def _color_change(sectors: NDArray[np.float32]) -> NDArray[np.float64]:
     """Per row the share of sectors whose color changes sharply right there."""
-    window = round(_COLOR_WINDOW_DEG / _ROW_DEG)
+    window = round(_COLOR_WINDOW_DEG / ROW_DEG)
     inside, outside = _window_means(sectors.mean(axis=2), window)
     step = np.linalg.norm(outside - inside, axis=-1)
+    darker = np.minimum(np.linalg.norm(inside, axis=-1), np.linalg.norm(outside, axis=-1))
+    least = np.clip(_COLOR_SHARE * darker, _SMALLEST_COLOR_STEP, _LARGEST_COLOR_STEP)
     # A change is at its sharpest where the cap ends, in every sector alike.
     peak = cv2.dilate(step, np.ones((2 * window + 1, 1)))
-    return np.asarray(((step > _COLOR_STEP) & (step > 0.8 * peak)).mean(axis=1))
+    return np.asarray(((step > least) & (step > 0.8 * peak)).mean(axis=1))
 
 
 def _sharpness_loss(sectors: NDArray[np.float32]) -> NDArray[np.float64]:
@@ -103,7 +93,7 @@ def _sharpness_loss(sectors: NDArray[np.float32]) -> NDArray[np.float64]:
     # Only along the angle: around the nadir the picture is stretched, and always soft.
     sharpness = np.zeros(gray.shape[:2])
     sharpness[1:-1] = np.abs(gray[:-2] - 2 * gray[1:-1] + gray[2:]).mean(axis=2)
-    window = round(_SHARPNESS_WINDOW_DEG / _ROW_DEG)
+    window = round(_SHARPNESS_WINDOW_DEG / ROW_DEG)
     inside, outside = _window_means(sharpness, window)
     so_far = np.cumsum(sharpness, axis=0) / np.arange(1, len(sharpness) + 1)[:, None]
     lost = (outside > _SHARP) & (inside < _SHARPNESS_RATIO * outside)
@@ -123,17 +113,19 @@ def _window_means(
     return inside, outside
 
 
-def _ring(agreement: NDArray[np.float64], cue: str, shift_deg: float = 0.0) -> NadirCap | None:
+def _ring(
+    agreement: NDArray[np.float64], cue: str, least: float, shift_deg: float = 0.0
+) -> NadirCap | None:
     """The outermost ring that enough directions agree on, as a cap; of a logo, the last ring."""
-    first, last = round(_SMALLEST_DEG / _ROW_DEG), round(_LARGEST_DEG / _ROW_DEG)
-    agreeing = np.flatnonzero(agreement[first:last] >= _LEAST_AGREEMENT) + first
+    first, last = round(_SMALLEST_DEG / ROW_DEG), round(_LARGEST_DEG / ROW_DEG)
+    agreeing = np.flatnonzero(agreement[first:last] >= least) + first
     if not len(agreeing):
         return None
     edge = int(agreeing[-1])
     # Rows in an unbroken run up to the edge all mean the same ring.
     start = agreeing[np.flatnonzero(np.diff(agreeing, prepend=-9) > 1)[-1]]
     return NadirCap(
-        radius_deg=float(edge * _ROW_DEG + shift_deg + _MARGIN_DEG),
+        radius_deg=float(edge * ROW_DEG + shift_deg + _MARGIN_DEG),
         cue=cue,
         confidence=float(agreement[start : edge + 1].max()),
     )

@@ -25,6 +25,32 @@ def test_a_disc_is_found_with_its_size(textured, cap_around, radius_deg, color):
     assert cap.is_a_hole
 
 
+def night(textured):
+    """The same gravel as dark as at night: 28 gray levels with a grain of 10."""
+    return (textured(WIDTH) * 0.25).astype(np.uint8)
+
+
+@pytest.mark.parametrize("gray", [20, 36])
+def test_a_cap_is_found_at_night_too(textured, cap_around, gray):
+    pixels = night(textured)
+    around = pixels[~cap_around(WIDTH, DOWN, 15) & cap_around(WIDTH, DOWN, 25)].mean()
+    assert abs(gray - around) * np.sqrt(3) < 20
+    pixels[cap_around(WIDTH, DOWN, 15)] = gray
+    cap = find_nadir_cap(pixels, DOWN)
+    assert cap.cue == "color"
+    assert cap.radius_deg == pytest.approx(15.75, abs=1)
+
+
+def test_a_dark_picture_without_a_cap_has_none(textured):
+    assert find_nadir_cap(night(textured), DOWN) is None
+
+
+def test_a_step_too_small_to_see_is_no_cap(textured, cap_around):
+    pixels = np.full((WIDTH // 2, WIDTH, 3), 12, np.uint8)
+    pixels[cap_around(WIDTH, DOWN, 15)] = 10
+    assert find_nadir_cap(pixels, DOWN) is None
+
+
 def test_a_blurred_cap_is_found(textured, cap_around):
     pixels = textured(WIDTH)
     blurred = cv2.GaussianBlur(pixels, (0, 0), 12, borderType=cv2.BORDER_REFLECT)

@@ -147,6 +147,23 @@ def test_the_cap_of_a_leveled_picture_is_below_the_camera_not_below_the_world(te
     assert result.provenance.last("stitch") is not None
 
 
+@pytest.mark.parametrize("tilts_too", [True, False], ids=["car", "tripod"])
+def test_the_cap_of_a_tilted_camera_is_looked_for_below_it_and_plumb(
+    textured, cap_around, tilts_too
+):
+    capture = local_capture("street", heading_deg=30.0, pitch_deg=9.0, roll_deg=4.0)
+    below = capture.world_from_camera.apply(np.array(DOWN)) if tilts_too else np.array(DOWN)
+    stitched = Step(stage="stitch", version="1", values={"leveled": True})
+    pixels = textured(WIDTH)
+    logo = cap_around(WIDTH, below, 15)
+    pixels[logo] = (255, 0, 255)
+    panorama = Panorama(pixels=pixels, capture=capture, provenance=Provenance((stitched,)))
+    result = inpaint(panorama)
+    red, green, blue = np.moveaxis(result.pixels[logo].astype(int), -1, 0)
+    assert (red + blue - 2 * green).max() < 100
+    assert result.provenance.steps[-1].values["nadir"]["radius_deg"] == pytest.approx(16, abs=1)
+
+
 def test_all_hole_is_an_error(textured, panorama_of):
     with pytest.raises(ImageError) as raised:
         inpaint(panorama_of(textured(WIDTH)), mask=np.ones((WIDTH // 2, WIDTH), bool))
