@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from panokit.envmap import EnvironmentMap
-from panokit.qa.geometry import pole_step, seam_step
+from panokit.qa.geometry import pole_detail, seam_step
 from panokit.qa.radiometry import (
     clipped_area_percent,
     dynamic_range_stops,
@@ -85,9 +85,9 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         name="poles",
-        measure=pole_step,
+        measure=pole_detail,
         unit="×",
-        meaning="Zenith and nadir are smooth: no pinwheel from a picture painted flat.",
+        meaning="No pinwheel at zenith or nadir: the detail around them ends before the pole.",
         high=lambda settings: settings.pole_max,
     ),
     Rule(

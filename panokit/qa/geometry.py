@@ -1,7 +1,7 @@
 """Figures about the two places where an equirectangular picture is cut: the seam and the poles.
 
-Both compare the step across the cut with the steps beside it, in log luminance, so that neither
-a bright nor a busy picture counts as broken. On a whole map the ratio is about 1.
+Both compare the cut with what lies beside it, in log luminance, so that neither a bright nor a
+busy picture counts as broken.
 """
 
 import numpy as np
@@ -15,6 +15,11 @@ _NEIGHBORS = 8
 # Darker than this under the median is noise; and steps below this many stops cannot be seen.
 _FLOOR_STOPS = -8.0
 _LEAST_STEP_STOPS = 0.01
+# The rows around a pole to compare it with; what counts as fine; and what cannot be seen.
+_RING_ROWS = (12, 25)
+_LEAST_HEIGHT_PX = 64
+_COARSE_WAVES = 12
+_LEAST_DETAIL_STOPS = 0.1
 
 
 def seam_step(envmap: EnvironmentMap) -> float:
@@ -37,22 +42,30 @@ def seam_step(envmap: EnvironmentMap) -> float:
     return float(touching.max() / max(float(np.median(beside)), _LEAST_STEP_STOPS))
 
 
-def pole_step(envmap: EnvironmentMap) -> float:
-    """The step across the worse pole, over the median step between the rows next to it.
+def pole_detail(envmap: EnvironmentMap) -> float | None:
+    """How much of the fine detail around the worse pole is still there at the pole itself.
 
-    Pixels of the outermost row that lie opposite each other are one pixel apart on the
-    sphere, like neighbors in a column. A picture that was painted flat, without regard to
-    the pole, has a pinwheel there.
+    The outermost row of pixels is a ring hardly wider than a pixel: the world can show an
+    edge in it, but no fine detail along it. A picture that was painted flat, without regard
+    to the pole, carries the detail of the rows around it right into the pole, as a pinwheel.
+    0 is the world, 1 a pinwheel; None for a map too small to have detail there.
     """
+    if envmap.height_px < _LEAST_HEIGHT_PX:
+        return None
     stops = _stops(envmap)
-    return max(_pole_step(stops), _pole_step(stops[::-1]))
+    return max(_pole_detail(stops), _pole_detail(stops[::-1]))
 
 
-def _pole_step(stops: NDArray[np.float32]) -> float:
-    across = np.abs(stops[0] - np.roll(stops[0], stops.shape[1] // 2)).mean()
-    reach = min(_NEIGHBORS, stops.shape[0] // 4)
-    down = np.abs(np.diff(stops[1 : reach + 2], axis=0)).mean(axis=1)
-    return float(across / max(float(np.median(down)), _LEAST_STEP_STOPS))
+def _pole_detail(stops: NDArray[np.float32]) -> float:
+    around = _fine_detail(stops[slice(*_RING_ROWS)]).mean()
+    return float(_fine_detail(stops[:1]).mean() / max(float(around), _LEAST_DETAIL_STOPS))
+
+
+def _fine_detail(rows: NDArray[np.float32]) -> NDArray[np.floating]:
+    """The size of what changes more than a dozen times along each row, in stops."""
+    waves = np.fft.rfft(rows, axis=1)
+    waves[:, : _COARSE_WAVES + 1] = 0
+    return np.asarray(np.abs(np.fft.irfft(waves, rows.shape[1], axis=1)))
 
 
 def _stops(envmap: EnvironmentMap) -> NDArray[np.float32]:

@@ -35,8 +35,8 @@ class QaSettings(Settings):
     seam_max: float = Field(2.6, ge=0)
     """Largest step across the wrap seam, as a multiple of the steps between columns beside it."""
 
-    pole_max: float = Field(8.0, ge=0)
-    """Largest step across a pole, as a multiple of the steps between the rows below it."""
+    pole_max: float = Field(0.8, ge=0)
+    """Most of the fine detail around a pole that may be left at the pole; a pinwheel has all."""
 
     clipped_area_max_percent: float = Field(0.02, ge=0, le=100)
     """Largest share of the sphere on a flat plateau at the map's maximum."""

@@ -194,12 +194,15 @@ def _deposit(
         axis=-1,
     )
     column, row = equirect_pixel(target_from_source.apply(directions), width, height)
-    row = np.clip(row, 0, height - 1)
     left, above = np.floor(column).astype(int), np.floor(row).astype(int)
     right_share, below_share = column - left, row - above
     for dx, share_x in ((0, 1 - right_share), (1, right_share)):
         for dy, share_y in ((0, 1 - below_share), (1, below_share)):
-            index = np.minimum(above + dy, height - 1) * width + (left + dx) % width
+            near = above + dy
+            # Beyond a pole lies the outermost row again, at the opposite azimuth.
+            beyond = (near < 0) | (near >= height)
+            across = np.where(beyond, width // 2, 0)
+            index = np.clip(near, 0, height - 1) * width + (left + dx + across) % width
             share = share_x * share_y / parts**2
             for channel in range(parcels.shape[1]):
                 gathered[:, channel] += np.bincount(
