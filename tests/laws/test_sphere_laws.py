@@ -76,7 +76,11 @@ def test_rotation_keeps_the_energy_and_turns_the_light_vector(elevation_deg, pos
     turned = rotate_radiance(radiance, pose)
     np.testing.assert_allclose(energy(turned), energy(radiance), rtol=1e-5)
     expected = pose.apply(light_vector(radiance))
-    assert np.linalg.norm(light_vector(turned) - expected) < 1e-3 * np.linalg.norm(expected)
+    # A pixel's light lies at its middle in one sum and is spread over it in the other.
+    quarter_pixel = 0.25 * 2 * np.pi / 512
+    assert np.linalg.norm(light_vector(turned) - expected) < quarter_pixel * np.linalg.norm(
+        expected
+    )
     assert turned.min() >= 0
 
 
