@@ -104,14 +104,13 @@ class Console:
             nonlocal last
             counts.update(done=done, rejected=rejected)
             now = time.monotonic()
-            if now - last >= _PLAIN_INTERVAL_S:
+            # The last item is told of at the end, once.
+            if now - last >= _PLAIN_INTERVAL_S and done != total:
                 last = now
                 self._say(name, counts, total, now - started)
 
-        said = -1
         yield self._counter(report)
-        if counts["done"] != said:
-            self._say(name, counts, total, time.monotonic() - started)
+        self._say(name, counts, total, time.monotonic() - started)
 
     def _say(self, name: str, counts: Mapping[str, int], total: int | None, seconds: float) -> None:
         of = "" if total is None else f" of {total}"

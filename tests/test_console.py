@@ -15,6 +15,15 @@ def test_plain_lines_when_not_on_a_terminal(capsys):
     assert output.out == "done\n"
 
 
+def test_a_slow_stage_says_how_far_it_is_and_the_end_once(capsys, monkeypatch):
+    monkeypatch.setattr("panokit.console._PLAIN_INTERVAL_S", 0.0)
+    with Console().stage("expand", 3) as tick:
+        for _ in range(3):
+            tick()
+    lines = [line.split(",")[0] for line in capsys.readouterr().err.splitlines()]
+    assert lines == ["expand: 1 of 3", "expand: 2 of 3", "expand: 3 of 3"]
+
+
 def test_json_is_all_that_machines_get(capsys):
     console = Console(as_json=True)
     with console.stage("stitch", 1) as tick:
