@@ -6,11 +6,12 @@ must be safe to run twice. What a task raises ends the run; a bad item is an out
 """
 
 import os
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from itertools import islice
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from typing import Protocol, TypeVar
 
 from panokit.errors import ItemError, PanokitError, Rejection, UsageError
@@ -60,7 +61,7 @@ class LocalEngine:
         queue = iter(items)
         # spawn, not fork: renderers and thread pools do not survive a fork.
         with ProcessPoolExecutor(
-            self.workers, mp_context=get_context("spawn"), initializer=_one_thread
+            self.workers, mp_context=get_context("spawn"), initializer=_prepare_worker
         ) as pool:
             pending: set[Future[Outcome]] = {
                 pool.submit(task, item) for item in islice(queue, self.window)
@@ -103,7 +104,20 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _one_thread() -> None:
+def _prepare_worker() -> None:
+    """Compute with one thread, and end when the driving process does, however it ends."""
+    _use_one_thread()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _use_one_thread() -> None:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
     import cv2  # here, because it reads the environment when it is loaded

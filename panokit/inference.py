@@ -3,13 +3,18 @@
 The only module that imports onnxruntime.
 """
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import onnxruntime
 from numpy.typing import NDArray
+
+# Some builds of ONNX Runtime report their use to their maker; panokit sends nothing anywhere.
+os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
+
+import onnxruntime
 
 from panokit.errors import ModelError
 

@@ -1,4 +1,8 @@
 import os
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -58,6 +62,38 @@ def test_the_local_engine_uses_other_processes_and_bounds_what_is_in_flight():
 def test_a_dead_worker_is_explained():
     with pytest.raises(PanokitError, match="worker process died"):
         list(LocalEngine(1).run(die, ["a"]))
+
+
+_SLEEPERS = """
+import os, time
+from panokit.engine import LocalEngine
+
+def sleep(item):
+    print(os.getpid(), flush=True)
+    time.sleep(60)
+
+if __name__ == "__main__":
+    list(LocalEngine(2).run(sleep, range(2)))
+"""
+
+
+def _is_alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z"
+    except OSError:
+        return False
+
+
+def test_workers_do_not_outlive_a_killed_run(tmp_path):
+    script = tmp_path / "sleepers.py"
+    script.write_text(_SLEEPERS)
+    with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE) as process:
+        workers = [int(process.stdout.readline()) for _ in range(2)]
+        process.send_signal(signal.SIGKILL)
+    deadline = time.monotonic() + 20
+    while any(map(_is_alive, workers)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not any(map(_is_alive, workers))
 
 
 def test_engines_by_name():

@@ -1,3 +1,6 @@
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -37,3 +40,13 @@ def test_a_file_that_is_no_network_is_a_model_error(tmp_path: Path):
     path.write_bytes(b"not a network")
     with pytest.raises(ModelError, match="can load"):
         Session(path)
+
+
+def test_nothing_is_reported_to_anybody(tmp_path):
+    # ONNX Runtime's telemetry would leave a device id and a queue of events at home.
+    environment = {k: v for k, v in os.environ.items() if k != "ORT_DISABLE_TELEMETRY"}
+    code = "import panokit.inference"
+    subprocess.run(
+        [sys.executable, "-c", code], check=True, env=environment | {"HOME": str(tmp_path)}
+    )
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]

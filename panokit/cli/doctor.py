@@ -15,7 +15,7 @@ from panokit.cli.options import Json
 from panokit.console import Console, size_text
 from panokit.errors import PanokitError
 
-_CORE = ("numpy", "scipy", "cv2", "onnxruntime", "OpenEXR", "requests", "pydantic", "PIL")
+_CORE = ("numpy", "scipy", "cv2", "OpenEXR", "requests", "pydantic", "PIL")
 _LEAST_FREE_BYTES = 2e9
 
 
@@ -121,7 +121,10 @@ def _training() -> tuple[str, str]:
     try:
         return "ok", f"torch {version('torch')}"
     except PackageNotFoundError:
-        return "missing", 'to train networks: pip install "panokit[train]"'
+        return (
+            "missing",
+            'to train networks: pip install "panokit[train]", or ".[train]" in a checkout',
+        )
 
 
 def _rendering() -> tuple[str, str]:
@@ -130,7 +133,10 @@ def _rendering() -> tuple[str, str]:
     try:
         version("mitsuba")
     except PackageNotFoundError:
-        return "missing", 'to render cities: pip install "panokit[render]"'
+        return (
+            "missing",
+            'to render cities: pip install "panokit[render]", or ".[render]" in a checkout',
+        )
     return "ok", describe_renderer()
 
 

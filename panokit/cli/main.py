@@ -7,12 +7,13 @@ import os
 import sys
 from collections.abc import Sequence
 from itertools import count
+from pathlib import Path
 
 from cyclopts import App, CycloptsError, Parameter
 from pydantic import ValidationError
 
 from panokit import __version__
-from panokit.errors import PanokitError
+from panokit.errors import PanokitError, StorageError
 
 _COMMANDS = {
     "demo": ("demo:demo", "Light probes from the embedded city, offline, in about a minute"),
@@ -63,6 +64,7 @@ def build_app() -> App:
         help="HDR light probes from street panoramas.",
         version=__version__,
         default_parameter=Parameter(negative_iterable=()),
+        suppress_keyboard_interrupt=False,  # `main` says what is kept
     )
     order = count()
     for name, (place, text) in _COMMANDS.items():
@@ -93,6 +95,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # The reader of our output went away (`panokit probes list | head`): not an error.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _BROKEN_PIPE
+    except OSError as error:
+        # What no layer below has put into words, such as a folder that may not be read.
+        from panokit.io.files import storage_error
+
+        path = Path(error.filename) if error.filename else Path()
+        return _fail(str(storage_error("use", path, error)), StorageError.exit_code)
     return code if isinstance(code, int) else 0
 
 
@@ -106,9 +114,10 @@ def _usage_text(error: CycloptsError) -> str:
     cause = error.__cause__
     if isinstance(cause, ValidationError):
         first = cause.errors()[0]
-        option = "--" + "-".join(str(part) for part in first["loc"]).replace("_", "-")
+        # Of a field that takes several types, the location also names the type that was tried.
+        option = "--" + str(first["loc"][0]).replace("_", "-") if first["loc"] else ""
         message = first["msg"][0].lower() + first["msg"][1:]
-        return f"{option} {first['input']}: {message}." if first["loc"] else f"{message}."
+        return f"{option} {first['input']}: {message}." if option else f"{message}."
     return _one_line(str(error))
 
 

@@ -175,7 +175,8 @@ def reindex(library: LibraryFolder, /, *, json: Json = False) -> int:
 
 
 def _shortened(text: str, length: int) -> str:
-    return text if len(text) <= length else text[: length - 1] + "…"
+    # Names differ at their ends: what stands before is provider and city.
+    return text if len(text) <= length else "…" + text[1 - length :]
 
 
 def _figure(value: float | None) -> str:

@@ -1,5 +1,6 @@
 """`panokit synthetic`: a rendered city, and a local server of street pictures."""
 
+import shlex
 import time
 from pathlib import Path
 from typing import Annotated
@@ -60,7 +61,12 @@ def serve(
         if serving.invented:
             console.note(f"{len(serving.invented)} of them say no place; they got one on a grid.")
         box = f"{west:.5f} {south:.5f} {east:.5f} {north:.5f}"
-        console.result(f"panokit fetch --endpoint {server.url} --bbox {box} --out RUN")
+        where = f"--endpoint {server.url} --bbox {box} --out RUN"
+        console.result(f"panokit fetch {where}")
+        console.result(
+            f"GOOGLE_MAPS_API_KEY={shlex.quote(settings.key)} "
+            f"panokit fetch --source google-tiles --accept-terms google {where}"
+        )
         console.note("Press Ctrl-C to stop.")
         try:
             while True:

@@ -1,12 +1,14 @@
 """The stage `expand`: an LDR panorama in, an HDR environment map out."""
 
 from collections.abc import Callable, Mapping
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from panokit.envmap import Anchor, EnvironmentMap
+from panokit.errors import ModelError
 from panokit.expand.baselines import expand_area, expand_reinhard, expand_srgb
 from panokit.expand.features import CONTRAST_WIDTH_PX
 from panokit.expand.network import compose, load_network, predict
@@ -15,6 +17,7 @@ from panokit.expand.settings import VERSION, ExpandSettings
 from panokit.panorama import Panorama
 from panokit.provenance import Step
 from panokit.sphere import energy, resize_radiance
+from panokit.weights import find_model, released_models
 
 ANALYTIC: Mapping[str, Callable[[ReducedPanorama], NDArray[np.float32]]] = {
     "srgb": expand_srgb,
@@ -39,17 +42,18 @@ def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> Enviro
         ModelError: If the model is not known, or its files are damaged.
     """
     settings = settings or ExpandSettings()
+    digest = weights_digest(settings.model)
     width_px = min(settings.width_px, panorama.width_px)
     # A network looks at details that a narrower map would no longer show.
     working_px = min(max(width_px, CONTRAST_WIDTH_PX), panorama.width_px)
     reduced = reduce_panorama(panorama.pixels, working_px)
-    radiance, weights_digest, found = _expanded(reduced, settings.model)
+    radiance, found = _expanded(reduced, settings.model)
     radiance = resize_radiance(radiance, width_px)
     step = Step(
         stage="expand",
         version=VERSION,
         settings_digest=settings.digest,
-        weights_digest=weights_digest,
+        weights_digest=digest,
         values={
             "model": settings.model,
             "width_px": width_px,
@@ -69,12 +73,26 @@ def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> Enviro
     )
 
 
-def _expanded(
-    reduced: ReducedPanorama, model: str
-) -> tuple[NDArray[np.float32], str, dict[str, Any]]:
-    """Radiance, the digest of the weights, and what the model found."""
+def weights_digest(model: str) -> str:
+    """The digest of a model's weights, "" for an analytic method.
+
+    Raises:
+        ModelError: If there is no model or method of this name; the message lists them.
+    """
     if model in ANALYTIC:
-        return ANALYTIC[model](reduced), "", {}
+        return ""
+    names = [*(released.id for released in released_models()), *ANALYTIC]
+    if model not in names:
+        near = get_close_matches(model, names, n=1)
+        hint = f"Did you mean {near[0]!r}? " if near else ""
+        raise ModelError(f"There is no model {model!r}. {hint}Choose from: {', '.join(names)}.")
+    return find_model(model).digest
+
+
+def _expanded(reduced: ReducedPanorama, model: str) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    """Radiance, and what the model found."""
+    if model in ANALYTIC:
+        return ANALYTIC[model](reduced), {}
     network = load_network(model)
     prediction = predict(reduced, network)
     gains = prediction.energy[1:] / prediction.components.energy
@@ -82,7 +100,7 @@ def _expanded(
         "curve_slopes": [round(slope, 4) for slope in prediction.curve_slopes],
         "component_gains": [round(float(gain), 3) for gain in gains],
     }
-    return compose(reduced, prediction), network.digest, found
+    return compose(reduced, prediction), found
 
 
 def _rounded(values: NDArray[np.float64]) -> list[float]:

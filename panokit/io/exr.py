@@ -1,5 +1,7 @@
 """OpenEXR light probes: float32 RGB, lat-long `envmap` attribute, panokit's own attributes."""
 
+import errno
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -101,8 +103,9 @@ def write_exr(
             with OpenEXR.File(header, {"RGB": pixels}) as file:
                 file.write(str(part))
         except RuntimeError as error:
-            # What the package says of a full disk has no errno; ours does.
-            raise OSError(28, f"{_first_line(error)}; is the disk full?") from error
+            full = os.strerror(errno.ENOSPC) in str(error)
+            code = errno.ENOSPC if full else errno.EIO
+            raise OSError(code, os.strerror(code)) from error
 
 
 def _first_line(error: BaseException) -> str:

@@ -15,8 +15,8 @@ from panokit.errors import RecordError, StorageError
 _REMEDIES = {
     errno.ENOSPC: "The disk is full: free some space and run the same command again.",
     errno.EDQUOT: "Your disk quota is used up: free some space and run the same command again.",
-    errno.EACCES: "Check the folder's permissions, or choose another with --out.",
-    errno.EPERM: "Check the folder's permissions, or choose another with --out.",
+    errno.EACCES: "Check the permissions of the file and of its folder.",
+    errno.EPERM: "Check the permissions of the file and of its folder.",
     errno.EROFS: "The disk is read-only: choose another folder with --out.",
     errno.ENOENT: "Check the path.",
     errno.ENOTDIR: "A part of the path is a file, not a folder: choose another path.",

@@ -6,6 +6,7 @@ from urllib.parse import urlsplit
 from panokit.console import Console
 from panokit.errors import RecordError, Rejection
 from panokit.fetch import FetchEvent, FetchResult, FetchSettings, fetch
+from panokit.fetch.places import places_of
 from panokit.fetch.result import PERMANENT_REASONS
 from panokit.fetch.settings import VERSION
 from panokit.io.captures import RECORD, StoredCapture, read_capture
@@ -58,11 +59,13 @@ def fetch_into(settings: FetchSettings, run: RunFolder, console: Console) -> Fet
     """Fetch into a run folder, with progress, log and ledger."""
     ledger = Ledger(run.ledger)
     known = {r.item for r in ledger.rejections("fetch") if r.reason in PERMANENT_REASONS}
-    places = max(1, len(settings.cities) + len(settings.places))
-    total = settings.count * places if settings.source != "folder" else None
-    with console.stage("fetch", None if settings.city_list else total) as tick:
+    total = None if settings.source == "folder" else settings.count * len(places_of(settings))
+    with console.stage("fetch", total) as tick:
 
         def report(event: FetchEvent) -> None:
+            if event.kind == "place":
+                for _ in range(min(event.done, settings.count)):
+                    tick()
             if event.kind in ("stored", "rejected"):
                 tick(rejected=event.kind == "rejected")
             if event.kind in ("rejected", "short"):

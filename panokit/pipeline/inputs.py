@@ -13,6 +13,7 @@ from panokit.settings import Settings
 
 # Where a stage finds its pictures in a run; the first folder that has any.
 _SOURCES = {"inpaint": ("panoramas",), "expand": ("filled", "panoramas")}
+_BEFORE = {"stitch": "fetch", "inpaint": "stitch", "expand": "stitch"}
 _TARGETS = {"stitch": ("panoramas", ".jpg"), "inpaint": ("filled", ".jpg"),
             "expand": ("probes", ".exr")}  # fmt: skip
 
@@ -37,10 +38,20 @@ def stage_tasks(
         UsageError: If there is nothing to work on, or nowhere to put the results.
     """
     if len(paths) == 1 and RunFolder(paths[0]).is_run:
-        return run_tasks(stage, RunFolder(paths[0]), settings, mask)
+        tasks = run_tasks(stage, RunFolder(paths[0]), settings, mask)
+        if not tasks:
+            before = _BEFORE[stage]
+            raise UsageError(
+                f"{paths[0]} has nothing for {stage} yet. Run `panokit {before} "
+                f"{'--out ' if before == 'fetch' else ''}{paths[0]}` first."
+            )
+        return tasks
     if out is None:
         raise UsageError("Say where the results go with --out DIR.")
     sources = capture_folders(paths) if stage == "stitch" else pictures(paths, LDR_SUFFIXES)
+    if not sources:
+        wanted = "fetched captures" if stage == "stitch" else "JPEG, PNG, WebP or TIFF pictures"
+        raise UsageError(f"There are no {wanted} in {', '.join(map(str, paths))}.")
     suffix = _TARGETS[stage][1]
     tasks = [
         StageTask(

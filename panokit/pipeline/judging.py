@@ -67,23 +67,28 @@ def keep_run(
     receipts = []
     with Library.create(run.root / settings.library) as library:
         there = {entry.id for entry in library.list()}
-        with console.stage("probes", len(passed)) as tick:
+        known = {item: one["probe"] for item, one in kept.items() if one["probe"] in there}
+        fresh = {
+            receipt.item
+            for receipt in passed
+            if receipt.item not in known or kept[receipt.item]["key"] != receipt.key
+        }
+        with console.stage("probes", len(fresh)) as tick:
             for receipt in passed:
-                known = kept.get(receipt.item, {})
-                fresh = known.get("key") != receipt.key or known.get("probe") not in there
-                if fresh:
+                if receipt.item in fresh:
                     added = library.add(receipt.path, name=receipt.item)
                     kept[receipt.item] = {"key": receipt.key, "probe": added.probe.id}
+                    tick()
+                probe = kept[receipt.item]["probe"]
                 receipts.append(
                     Receipt(
                         item=receipt.item,
                         stage="probes",
-                        path=library.map_path(kept[receipt.item]["probe"]),
-                        key=kept[receipt.item]["probe"],
-                        fresh=fresh,
+                        path=library.map_path(probe),
+                        key=probe,
+                        fresh=receipt.item in fresh,
                     )
                 )
-                tick()
     write_json(run.root / _KEPT, kept)
     return BatchResult(stage="probes", receipts=tuple(receipts))
 

@@ -37,7 +37,9 @@ def load_settings(
     try:
         text = data.decode()
         table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise SettingsError(f"{path} is not a TOML file: it is not text.") from error
+    except tomllib.TOMLDecodeError as error:
         raise SettingsError(f"{path} is not a TOML file: {error}.") from error
     for override in overrides:
         _override(table, override)

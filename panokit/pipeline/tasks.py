@@ -18,7 +18,7 @@ from panokit.errors import ImageError, UsageError
 from panokit.expand import expand
 from panokit.expand.settings import VERSION as EXPAND_VERSION
 from panokit.expand.settings import ExpandSettings
-from panokit.expand.stage import ANALYTIC
+from panokit.expand.stage import weights_digest
 from panokit.inpaint import inpaint
 from panokit.inpaint.settings import VERSION as INPAINT_VERSION
 from panokit.inpaint.settings import InpaintSettings
@@ -36,7 +36,6 @@ from panokit.settings import Settings
 from panokit.stitch import stitch
 from panokit.stitch.settings import VERSION as STITCH_VERSION
 from panokit.stitch.settings import StitchSettings
-from panokit.weights import find_model
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,8 +66,8 @@ class StageTask:
     def key(self) -> str:
         """The key of the result."""
         version, weights = _VERSIONS[self.stage], ""
-        if isinstance(self.settings, ExpandSettings) and self.settings.model not in ANALYTIC:
-            weights = find_model(self.settings.model).digest
+        if isinstance(self.settings, ExpandSettings):
+            weights = weights_digest(self.settings.model)
         return stage_key(self.stage, version, self.settings.digest, self.inputs(), weights)
 
 

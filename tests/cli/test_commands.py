@@ -65,7 +65,13 @@ def test_bad_pictures_are_named_and_the_good_one_is_done(folder, tmp_path, capsy
         (["expand", "x.jpg", "--width-px", "3"], 2, "--width-px 3: input should be a multiple"),
         (["expand", "nowhere", "--out", "o"], 4, "There is no nowhere"),
         (["expand", "."], 2, "--out DIR"),
-        (["expand", "{good}", "--out", "o", "--model", "gpt"], 6, "There is no released model"),
+        (["expand", "{good}", "--out", "o", "--model", "sgrb"], 6, "Did you mean 'srgb'?"),
+        (["inpaint", "{good}", "--out", "o", "--nadir-deg", "99"], 2, "--nadir-deg 99: input"),
+        (
+            ["expand", "{good}", "--out", "o", "--model", "gpt"],
+            6,
+            "Choose from: expand-1, srgb",
+        ),
         (["qa", "nowhere", "--out", "o"], 2, "nowhere"),
         (["run", "nowhere.toml"], 4, "Check the path"),
         (["probes", "list", "nowhere"], 2, "no probe library in nowhere"),
@@ -135,6 +141,34 @@ def test_released_models_are_what_was_released(capsys):
     assert "expand-1" in capsys.readouterr().out
     assert main(["models", "show", "expand-1"]) == 0
     assert "CC0" in capsys.readouterr().out
+
+
+def test_an_interruption_says_that_nothing_is_lost(monkeypatch, capsys):
+    def interrupted(**_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("panokit.cli.doctor.doctor", interrupted)
+    assert main(["doctor"]) == 130
+    assert "what was done is kept" in errors(capsys)[0]
+
+
+def test_a_folder_that_may_not_be_read_is_one_line(monkeypatch, capsys, tmp_path):
+    def locked(_):
+        raise PermissionError(13, "Permission denied", "locked/run.json")
+
+    monkeypatch.setattr("panokit.records.RunFolder.is_run", property(locked))
+    assert main(["expand", str(tmp_path), "--out", str(tmp_path / "o")]) == 4
+    (line,) = errors(capsys)
+    assert "locked/run.json: Permission denied. Check the permissions" in line
+
+
+def test_an_unfinished_run_says_what_comes_first(tmp_path, capsys):
+    (tmp_path / "run" / "captures").mkdir(parents=True)
+    assert main(["expand", str(tmp_path / "run")]) == 2
+    assert "Run `panokit stitch" in errors(capsys)[0]
+    (tmp_path / "empty").mkdir()
+    assert main(["expand", str(tmp_path / "empty"), "--out", str(tmp_path / "o")]) == 2
+    assert "There are no JPEG" in errors(capsys)[0]
 
 
 def test_help_fits_a_terminal(capsys):
