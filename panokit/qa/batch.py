@@ -80,7 +80,7 @@ class QaResult:
 
     @property
     def passed(self) -> tuple[JudgedMap, ...]:
-        """The maps that pass every check."""
+        """The maps in which no check finds a defect."""
         return tuple(judged for judged in self.maps if judged.verdict is Verdict.PASS)
 
     @property

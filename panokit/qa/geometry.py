@@ -17,7 +17,8 @@ _FLOOR_STOPS = -8.0
 _LEAST_STEP_STOPS = 0.01
 # The rows around a pole to compare it with; what counts as fine; and what cannot be seen.
 _RING_ROWS = (12, 25)
-_LEAST_HEIGHT_PX = 64
+# Below 256x128 noise looks like a pinwheel: the ring has too few pixels to tell.
+_LEAST_HEIGHT_PX = 128
 _COARSE_WAVES = 12
 _LEAST_DETAIL_STOPS = 0.1
 

@@ -5,9 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from panokit.capture import Capture
-from panokit.errors import RecordError, UsageError
+from panokit.errors import RecordError, StorageError, UsageError
 from panokit.io import HDR_SUFFIXES, read_json
+from panokit.io.files import storage_error
 from panokit.io.pictures import record_path
+from panokit.records import require_folder
 
 _LDR_SUFFIX = ".jpg"
 
@@ -41,13 +43,26 @@ def find_items(paths: Iterable[Path]) -> list[QaItem]:
 
     Raises:
         UsageError: If a path does not exist or holds no maps.
+        StorageError: If a folder cannot be read.
     """
-    return [item for path in paths for item in _items_at(Path(path))]
+    found: list[QaItem] = []
+    for path in map(Path, paths):
+        try:
+            found += _items_at(path)
+        except StorageError:
+            raise
+        except OSError as error:
+            raise storage_error("read", path, error) from error
+    return found
 
 
 def find_maps(folder: Path) -> dict[str, Path]:
-    """Name -> file of every map in a folder, by name; .exr goes before .hdr."""
-    files = sorted(p for p in folder.iterdir() if p.suffix.lower() in HDR_SUFFIXES)
+    """Name -> file of every map in a folder, by name; .exr goes before .hdr.
+
+    Raises:
+        StorageError: If the folder cannot be read.
+    """
+    files = sorted(p for p in require_folder(folder).iterdir() if p.suffix.lower() in HDR_SUFFIXES)
     found: dict[str, Path] = {}
     for file in files:
         found.setdefault(file.stem, file)
@@ -59,6 +74,7 @@ def _items_at(path: Path) -> list[QaItem]:
         raise UsageError(f"There is no {path}. Give a run folder, a folder of maps, or a map.")
     if path.is_file():
         return [_item(path, path.parent, path.parent)]
+    require_folder(path)
     probes = path / "probes"
     if probes.is_dir() and (path / "run.json").exists():
         maps, panoramas, filled = probes, path / "panoramas", path / "filled"

@@ -32,7 +32,7 @@ def test_it_passes_at_any_heading(make_map, shift):
 
 @pytest.mark.parametrize("scale", [1e-25, 1e-3, 1e3, 1e30])
 def test_figures_of_shape_do_not_depend_on_the_scale(make_map, scale):
-    envmap = make_map(128)
+    envmap = make_map(256)
     scaled = envmap.with_changes(radiance=envmap.radiance * np.float32(scale))
     for name in ("dynamic-range", "top-share", "wrap-seam", "poles", "clipped-area"):
         found = check(scaled).values[name]
@@ -70,6 +70,14 @@ def test_a_pinwheel_at_a_pole_is_flagged(make_map, pole):
     rows = slice(0, 25) if pole == "zenith" else slice(-25, None)
     radiance[rows] *= spread
     assert failed(envmap.with_changes(radiance=radiance)) >= {"poles"}
+
+
+def test_noise_in_a_map_too_small_for_a_pinwheel_is_none(make_map):
+    small = make_map(128)
+    grain = np.random.default_rng(0).uniform(0.5, 2, small.radiance.shape).astype(np.float32)
+    report = check(small.with_changes(radiance=small.radiance * grain))
+    assert report.values["poles"] is None
+    assert check(make_map(256)).values["poles"] is not None
 
 
 def test_an_edge_that_crosses_a_pole_is_no_pinwheel(make_map):

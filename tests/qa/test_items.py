@@ -1,8 +1,10 @@
 """What a path means: a map, a folder of maps, a run."""
 
+from pathlib import Path
+
 import pytest
 
-from panokit.errors import UsageError
+from panokit.errors import StorageError, UsageError
 from panokit.qa import find_items
 
 
@@ -40,3 +42,14 @@ def test_a_path_without_maps_says_what_to_do(tmp_path):
         find_items([tmp_path])
     with pytest.raises(UsageError, match="There is no"):
         find_items([tmp_path / "nowhere"])
+
+
+@pytest.mark.parametrize("refused", ["iterdir", "exists"])
+def test_a_folder_that_cannot_be_read_is_told_of_as_an_input(tmp_path, monkeypatch, refused):
+    def locked(self):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, refused, locked)
+    with pytest.raises(StorageError, match=r"Cannot read .*ermissions") as caught:
+        find_items([tmp_path])
+    assert "--out" not in str(caught.value)

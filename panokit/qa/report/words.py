@@ -10,6 +10,7 @@ from panokit.frames import Frame
 from panokit.provenance import Provenance
 from panokit.qa.comparison import Comparison
 from panokit.qa.distribution import Standing
+from panokit.qa.report.accuracy import grade_of
 from panokit.qa.report.html import format_figure, format_limit
 from panokit.qa.verdicts import Check, Verdict
 
@@ -43,6 +44,7 @@ class Row:
         meaning: The plain sentence below the label.
         limits: What passes, for a check.
         verdict: "pass", "fail" or "not-applicable", for a check.
+        grade: "good", "fair" or "poor", for a difference from the truth that has bounds.
     """
 
     label: str
@@ -50,6 +52,7 @@ class Row:
     meaning: str = ""
     limits: str = ""
     verdict: str = ""
+    grade: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +104,7 @@ def failure_summary(failed: Sequence[Check]) -> str:
         f"allowed is {_limits(check)}"
         for check in failed
     ]
-    return f"Fails: {'; '.join(words)}."
+    return f"Defect: {'; '.join(words)}."
 
 
 def check_row(check: Check) -> Row:
@@ -122,6 +125,7 @@ def difference_rows(comparison: Comparison | None) -> tuple[Row, ...]:
             label=difference.label,
             value=format_figure(difference.value, difference.unit),
             meaning=difference.meaning,
+            grade=grade_of(difference.name, difference.value),
         )
         for difference in (comparison.differences if comparison else ())
     )

@@ -11,6 +11,7 @@ from panokit.errors import ItemError, Rejection
 from panokit.io import write_bytes, write_json
 from panokit.qa.batch import JudgedMap, QaResult
 from panokit.qa.report import pictures
+from panokit.qa.report.accuracy import explanation, grade_of, medians
 from panokit.qa.report.cards import Card, card_of
 from panokit.qa.report.html import format_figure, picture, render_page
 from panokit.qa.report.words import label_of
@@ -31,13 +32,21 @@ class ReasonGroup:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """One figure in the table of all maps, with its grade where it is graded."""
+
+    text: str
+    grade: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class OverviewRow:
     """One map in the table of all maps."""
 
     name: str
     anchor: str
     verdict: str
-    cells: tuple[str, ...]
+    cells: tuple[Cell, ...]
     license: str
 
 
@@ -78,6 +87,8 @@ def write_report(
             "failed": len(result.failed),
             "rejected": len(rejected),
         },
+        medians=medians(result.maps),
+        explanation=explanation(result.maps) if cards else "",
         banner=synthetic_banner(result.maps),
         rejections=_by_reason(rejected),
         overview=_overview(result, cards),
@@ -167,12 +178,13 @@ def _overview(result: QaResult, cards: Sequence[Card]) -> dict[str, Any]:
     }
 
 
-def _cell(judged: JudgedMap, name: str) -> str:
+def _cell(judged: JudgedMap, name: str) -> Cell:
     checks = judged.report.checks if judged.report else ()
     differences = judged.comparison.differences if judged.comparison else ()
     figures = {check.name: (check.value, check.unit) for check in checks}
     figures |= {difference.name: (difference.value, difference.unit) for difference in differences}
-    return format_figure(*figures.get(name, (None, "")))
+    value, unit = figures.get(name, (None, ""))
+    return Cell(text=format_figure(value, unit), grade=grade_of(name, value))
 
 
 def _legend_ticks() -> list[str]:

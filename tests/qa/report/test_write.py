@@ -125,7 +125,7 @@ def test_it_counts_and_groups_rejections_and_escapes_what_they_say(make_run, tmp
     path, page = report_of(run, tmp_path / "qa", rejections=REJECTIONS)
     numbers = re.findall(r"<dt>([^<]+)</dt><dd>(\d+)</dd>", path.read_text())
     assert dict(numbers) == {
-        "light maps": "2", "pass every check": "2", "fail a check": "0", "rejected": "4",
+        "light maps": "2", "no defect found": "2", "with a defect": "0", "rejected": "4",
     }  # fmt: skip
     assert re.search(r"missing-tiles in stitch 2 p-1 ?: 9 of 32", page.text)
     assert "It covers <120> degrees." in page.text
@@ -146,7 +146,7 @@ def test_a_failed_check_is_told_with_its_limit(make_run, make_map, tmp_path):
     clipped = envmap.with_changes(radiance=np.minimum(envmap.radiance, np.float32(0.9)))
     write_environment_map(clipped, run / "probes/flat.exr")
     _, page = report_of(run, tmp_path / "qa")
-    assert re.search(r"Fails: .*dynamic range is [\d.]+ stops, allowed is 3 to 30", page.text)
+    assert re.search(r"Defect: .*dynamic range is [\d.]+ stops, allowed is 3 to 30", page.text)
 
 
 def test_beside_a_truth_it_shows_both_rows_of_balls_and_the_differences(make_run, tmp_path):
@@ -156,6 +156,28 @@ def test_beside_a_truth_it_shows_both_rows_of_balls_and_the_differences(make_run
     assert any(i["alt"] == "Mirror ball lit by the reference of quay" for i in page.images)
     assert "Irradiance error" in page.text
     assert "Light direction" in page.text
+
+
+def test_a_map_without_a_defect_is_not_taken_for_an_accurate_one(make_run, make_map, tmp_path):
+    run = make_run()
+    for name in ("quay", "mill"):
+        # The sun stands on the other side of the reference's sky.
+        truth = make_map(128, azimuth_deg=220.0, key=name)
+        write_environment_map(truth, tmp_path / "truth" / f"{name}.exr")
+    result = qa(find_items([run]), reference=tmp_path / "truth")
+    page = Page(write_report(result, tmp_path / "qa").read_text())
+    assert re.search(r"with a defect 0 ", page.text)
+    assert re.search(r"median irradiance error [\d.]+ % poor", page.text)
+    assert re.search(r"median light direction error [\d.]+° poor", page.text)
+    assert "irradiance error up to 20 % is good, up to 50 % fair, above poor" in page.text
+    assert "pass" not in page.text.lower().split()
+
+
+def test_without_references_no_accuracy_is_claimed(make_run, tmp_path):
+    _, page = report_of(make_run(), tmp_path / "qa")
+    assert "which only a reference could tell" in page.text
+    assert "median irradiance" not in page.text
+    assert not re.search(r"\b(good|fair|poor)\b", page.text)
 
 
 def test_the_same_maps_give_the_same_bytes_wherever_they_lie(make_run, tmp_path):
