@@ -134,7 +134,10 @@ def places_of(settings: FetchSettings) -> list[Place]:
     if settings.bbox is not None:
         found.append(box(" ".join(f"{value:.4f}" for value in settings.bbox), settings.bbox))
     if not found:
-        raise PlaceError('Say where to look, for instance with --cities "Bristol, GB".')
+        raise PlaceError(
+            'Say where to look: --city "Bristol, GB", or cities = ["Bristol, GB"] in a '
+            "pipeline's [fetch]."
+        )
     names = [place.name for place in found]
     for name in names:
         if names.count(name) > 1:

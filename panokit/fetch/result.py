@@ -59,6 +59,7 @@ class FetchResult:
         stored: Fetched now, in the order of the sample points.
         existing: Complete on disk before, of the places asked for.
         rejections: Panoramas that could not be had, and places without any.
+        short: Place -> (found, wanted), of the places that have fewer panoramas than wanted.
         passed_over: Reason -> how many pictures were seen but not wanted ("too-close", ...).
         requests: Sent, retries and searches included.
         plan: What a dry run found out; None after a real one.
@@ -67,6 +68,7 @@ class FetchResult:
     stored: tuple[StoredCapture, ...] = ()
     existing: tuple[StoredCapture, ...] = ()
     rejections: tuple[Rejection, ...] = ()
+    short: Mapping[str, tuple[int, int]] = field(default_factory=dict)
     passed_over: Mapping[str, int] = field(default_factory=dict)
     requests: int = 0
     plan: FetchPlan | None = None

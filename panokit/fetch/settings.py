@@ -40,17 +40,18 @@ class FetchSettings(Settings):
     city_list: Path | None = None
     """A text file with one city on a line; what follows a # is a comment."""
 
-    places: tuple[PlaceSettings, ...] = ()
+    # A command line has no way to write them; --point and --bbox are its own.
+    places: Annotated[tuple[PlaceSettings, ...], Parameter(parse=False, show=False)] = ()
     """Places of your own, each a name, a point and a radius."""
 
     bbox: tuple[float, float, float, float] | None = None
     """A box instead of a city: west, south, east, north in degrees."""
 
     point: tuple[float, float] | None = None
-    """A point instead of a city: latitude, longitude in degrees; see radius_m."""
+    """A point instead of a city: latitude, longitude in degrees."""
 
     radius_m: float | None = Field(default=None, gt=0, le=100_000)
-    """How far from a city's center, or from `point`, to look; else the city's own radius."""
+    """How far from the point (else 1000) or a city's center (else the city's own) to look."""
 
     folder: Path | None = None
     """For the source "folder": where the pictures are. All of them are taken."""
@@ -77,9 +78,9 @@ class FetchSettings(Settings):
     """The least width wanted; tile services send the first zoom that has it."""
 
     zoom: int | None = Field(default=None, ge=0, le=5)
-    """A tile service's zoom, instead of width_px. Small panoramas have fewer zooms."""
+    """A tile service's zoom, instead of a least width. Small panoramas have fewer zooms."""
 
-    allow_missing: bool = False
+    allow_missing: Annotated[bool, Parameter(negative=())] = False
     """Take panoramas of which some tiles cannot be had; what is missing is recorded."""
 
     seed: int = 0
@@ -106,7 +107,7 @@ class FetchSettings(Settings):
     concurrency: int = Field(default=8, ge=1, le=32)
     """How many requests may be under way at once."""
 
-    dry_run: bool = False
+    dry_run: Annotated[bool, Parameter(negative=())] = False
     """Only find out what there is, and report what fetching it would take."""
 
     @field_validator("endpoint")

@@ -84,6 +84,7 @@ class _Fetching:
         self._stored: list[StoredCapture] = []
         self._existing: list[StoredCapture] = []
         self._rejections: list[Rejection] = []
+        self._short: dict[str, tuple[int, int]] = {}
         self._passed_over: Counter[str] = Counter()
 
     def run(self, places: list[Place] | list[None]) -> FetchResult:
@@ -94,6 +95,7 @@ class _Fetching:
             stored=tuple(self._stored),
             existing=tuple(self._existing),
             rejections=tuple(self._rejections),
+            short=dict(self._short),
             passed_over=dict(self._passed_over),
             requests=self._client.budget.requests,
             plan=self._plan() if self._settings.dry_run else None,
@@ -160,11 +162,15 @@ class _Fetching:
     def _fall_short(self, place: Place, have: int, passed_over: Counter[str]) -> None:
         """Say that a place has fewer pictures than wanted; without any it is rejected."""
         reasons = ", ".join(f"{count} {reason}" for reason, count in passed_over.most_common())
+        remedies = [f"a larger {'radius' if place.is_disc else 'box'}"]
+        remedies += ["a smaller minimum distance"] if passed_over["too-close"] else []
+        remedies += ["other dates"] if passed_over["out-of-dates"] else []
         message = (
-            f"{have} of {self._settings.count} panoramas found in {place.name}"
+            f"{have or 'none'} of {self._settings.count} panoramas found"
             f"{f' (passed over: {reasons})' if reasons else ''}. "
-            "Try a larger radius, a smaller min_distance_m, or another source."
+            f"Try {', '.join(remedies)} or another source."
         )
+        self._short[place.name] = have, self._settings.count
         self._tell("short", place.name, message, done=have)
         if have == 0:
             self._rejections.append(

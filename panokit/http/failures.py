@@ -120,7 +120,7 @@ def error_of_failure(failure: Failure, what: str, attempts: int) -> PanokitError
     """
     if failure.verdict is not None:
         return failure.verdict
-    said = f"{what}: {failure.message}"
+    said = f"{what}: {failure.message}".rstrip(".")
     tries = "" if attempts == 1 else f" after {attempts} attempts"
     match failure.kind:
         case FailureKind.AUTH:

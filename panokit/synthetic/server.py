@@ -8,6 +8,7 @@ It listens on 127.0.0.1 only. A second port plays the object storage that full P
 pictures redirect to; credentials that arrive there are recorded as violations.
 """
 
+import errno
 import logging
 import threading
 from collections.abc import Sequence
@@ -125,9 +126,10 @@ def _listen(port_name: Port, answer: Any, port: int) -> ThreadingHTTPServer:
     try:
         return ThreadingHTTPServer(("127.0.0.1", port), Handler)
     except OSError as error:
+        why = "is in use" if error.errno == errno.EADDRINUSE else f"is denied ({error.strerror})"
         raise UsageError(
-            f"Port {port} of 127.0.0.1 cannot be opened ({error}). Choose another one, "
-            "or 0 for any that is free."
+            f"Port {port} of 127.0.0.1 {why}. Choose another one with --port, "
+            "or --port 0 for any that is free."
         ) from error
 
 

@@ -34,6 +34,11 @@ def test_every_source_of_the_settings_exists():
     assert set(FetchSettings.model_fields["source"].annotation.__args__) == set(SOURCES)
 
 
+def test_places_come_from_toml_though_not_from_the_command_line():
+    own = {"name": "Ours", "latitude_deg": 1.0, "longitude_deg": 2.0}
+    assert FetchSettings.model_validate({"places": [own]}).places[0].name == "Ours"
+
+
 def test_every_setting_says_what_it_is():
     assert all(field.description for field in FetchSettings.model_fields.values())
 

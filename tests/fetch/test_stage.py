@@ -58,6 +58,7 @@ def test_a_second_run_asks_for_nothing(server, tmp_path):
     first = fetch(google(server), tmp_path)
     asked = len(server.requests)
     second = fetch(google(server), tmp_path)
+    assert first.short == second.short == {}
     assert (second.stored, second.requests, len(server.requests)) == ((), 0, asked)
     assert {one.capture.key for one in second.existing} == {one.capture.key for one in first.stored}
 
@@ -81,10 +82,21 @@ def test_a_place_by_another_name_is_the_same_place(server, tmp_path):
 
 def test_a_shortage_says_what_was_passed_over(server, tmp_path):
     events = []
-    fetch(google(server, min_distance_m=5000), tmp_path, report=events.append)
+    result = fetch(google(server, min_distance_m=5000), tmp_path, report=events.append)
     (short,) = (event for event in events if event.kind == "short")
     assert "1 of 4" in short.message
     assert "3 too-close" in short.message
+    assert "a larger radius, a smaller minimum distance" in short.message
+    assert (result.short, result.rejections) == ({STREET.name: (1, 4)}, ())
+
+
+def test_remedies_fit_the_place(server, tmp_path):
+    result = fetch(google(server, places=(), bbox=(1.0, 1.0, 1.1, 1.1)), tmp_path)
+    (nothing,) = result.rejections
+    assert "a larger box" in nothing.message
+    assert "radius" not in nothing.message
+    assert "minimum distance" not in nothing.message
+    assert nothing.item not in nothing.message
 
 
 @pytest.mark.parametrize("kind", ["429", "429-body", "500", "html", "truncated"])

@@ -4,7 +4,7 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from panokit.http.failures import FailureKind, failure_of_reply, retry_after_s
+from panokit.http.failures import FailureKind, error_of_failure, failure_of_reply, retry_after_s
 
 NOW = datetime(2026, 3, 1, 12, 0, tzinfo=UTC)
 
@@ -41,6 +41,13 @@ def test_what_the_server_said_is_told():
     assert (
         "bbox must be" in judged(400, '{"message": "bbox must be ...", "status_code": 400}').message
     )
+
+
+@pytest.mark.parametrize("status", [400, 401, 429, 500])
+def test_a_sentence_of_the_server_ends_once(status):
+    failure = judged(status, '{"error": {"message": "It is so."}}')
+    for attempts in (1, 3):
+        assert ".." not in str(error_of_failure(failure, "https://a.example", attempts))
 
 
 @pytest.mark.parametrize(

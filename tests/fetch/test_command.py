@@ -1,0 +1,62 @@
+"""`panokit fetch` as it is typed: exit codes, and what it says."""
+
+import json
+
+import pytest
+
+from panokit.cli.main import main
+from tests.fetch.conftest import KEY
+
+BOX = ["--bbox", "7.69", "48.49", "7.71", "48.51"]
+
+
+def typed(server, out, *more: str) -> int:
+    google = ["--source", "google-tiles", "--accept-terms", "google", "--zoom", "1"]
+    return main(["fetch", "--endpoint", server.url, *google, "--out", str(out), *more])
+
+
+def test_all_that_was_wanted_is_there(server, tmp_path, capsys):
+    assert typed(server, tmp_path, *BOX, "--count", "2") == 0
+    assert typed(server, tmp_path, *BOX, "--count", "2") == 0
+    output = capsys.readouterr()
+    assert "0 stored, 2 there already, 0 rejected, 0 requests" in output.out
+    assert output.err.count("fetch: 2 of 2") == 2
+
+
+def test_a_shortage_is_told_and_ends_with_1(server, tmp_path, capsys):
+    assert typed(server, tmp_path, *BOX, "--count", "5", "--json") == 1
+    ((place, counts),) = json.loads(capsys.readouterr().out)["short"].items()
+    assert (place.startswith("7.69"), counts) == (True, {"found": 4, "wanted": 5})
+
+
+def test_nothing_found_is_no_rejected_panorama(server, tmp_path, capsys):
+    where = ["--city", "Bristol, GB"]
+    assert main(["fetch", "--endpoint", server.url, *where, "--out", str(tmp_path)]) == 1
+    output = capsys.readouterr()
+    assert "0 rejected, 1 request; none found in Bristol, GB\n" in output.out
+    line = next(line for line in output.err.splitlines() if "panoramas found" in line)
+    assert line.count("Bristol") == 1
+    assert "a larger radius" in line
+
+
+@pytest.mark.parametrize(("tiles_a_day", "says"), [(15_000, False), (3, True)])
+def test_days_are_told_where_there_are_any(
+    server, tmp_path, capsys, monkeypatch, tiles_a_day, says
+):
+    monkeypatch.setattr("panokit.fetch.google_tiles.GoogleTiles.files_per_day", tiles_a_day)
+    assert typed(server, tmp_path, *BOX, "--count", "2", "--dry-run") == 0
+    assert ("days" in capsys.readouterr().out) == says
+
+
+def test_a_wrong_key_is_told_in_whole_sentences(server, tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("GOOGLE_MAPS_API_KEY", KEY + "-wrong")
+    assert typed(server, tmp_path, *BOX) == 8
+    assert "valid API key. Check" in capsys.readouterr().err
+
+
+def test_what_cannot_be_typed_is_not_offered(tmp_path, capsys):
+    assert main(["fetch", "--help"]) == 0
+    text = capsys.readouterr().out
+    assert not [word for word in ("--places", "--no-", "radius_m", "width_px") if word in text]
+    assert "--dry-run" in text
+    assert main(["fetch", "--places", "x", "--out", str(tmp_path)]) == 2
