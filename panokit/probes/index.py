@@ -1,18 +1,25 @@
 """library.sqlite: what `list` looks at. Everything in it is in the records too."""
 
+import shutil
 import sqlite3
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from panokit.errors import StorageError
+from panokit.io.files import storage_error
 from panokit.probes.probe import Probe
 
 # Raise it when the columns change: an index of another layout is made anew.
 _LAYOUT = 1
 _BUSY_TIMEOUT_S = 10.0
+IN_MEMORY = Path(":memory:")
+# SQLite tells a full disk as a failed write as often as not; less than this is full.
+_FULL_BELOW_BYTES = 1 << 20
+_FULL_OR_BROKEN = (sqlite3.SQLITE_IOERR, sqlite3.SQLITE_CANTOPEN)
+_NOT_WRITABLE = (sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_PERM)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +108,14 @@ def entry_of(probe: Probe) -> Entry:
 
 
 class Index:
-    """The table of entries. Only one process writes; others may read meanwhile (WAL)."""
+    """The table of entries. Only one process writes; others may read meanwhile (WAL).
+
+    Args:
+        path: The file, or IN_MEMORY for a table that is gone when it is closed.
+
+    Raises:
+        StorageError: If the file cannot be used, here and in every method.
+    """
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -162,8 +176,11 @@ class Index:
                 raise self._storage_error(error) from error
             # Not a database, or a damaged one: nothing is lost, it is made from the records.
             for suffix in ("", "-wal", "-shm"):
-                with suppress(FileNotFoundError):
-                    self._path.with_name(self._path.name + suffix).unlink()
+                file = self._path.with_name(self._path.name + suffix)
+                try:
+                    file.unlink(missing_ok=True)
+                except OSError as refusal:
+                    raise storage_error("delete the damaged", file, refusal) from refusal
             with self._reported():
                 return self._opened()
 
@@ -191,10 +208,28 @@ class Index:
             raise self._storage_error(error) from error
 
     def _storage_error(self, error: sqlite3.Error) -> StorageError:
+        # The low byte is the kind; the rest tells at which step it happened.
+        kind = getattr(error, "sqlite_errorcode", 0) & 0xFF
+        if kind == sqlite3.SQLITE_FULL or (kind in _FULL_OR_BROKEN and self._disk_is_full()):
+            return StorageError(
+                f"Cannot write the index {self._path}: the disk is full. "
+                "Free some space and run the same command again."
+            )
+        if kind in _NOT_WRITABLE:
+            return StorageError(
+                f"Cannot write the index {self._path}: {error}. "
+                "Check the permissions of the file and of its folder."
+            )
         return StorageError(
-            f"Cannot use the index {self._path}: {error}. Check the disk and its permissions; "
+            f"Cannot use the index {self._path}: {error}. Check the disk; "
             "the file may be deleted, it is made anew from the records."
         )
+
+    def _disk_is_full(self) -> bool:
+        try:
+            return shutil.disk_usage(self._path.parent).free < _FULL_BELOW_BYTES
+        except OSError:
+            return False
 
 
 def _entry(row: tuple[Any, ...]) -> Entry:

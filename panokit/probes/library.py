@@ -1,14 +1,15 @@
 """The library of light probes on disk."""
 
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 
 from panokit.envmap import EnvironmentMap
-from panokit.errors import ItemError, UsageError
+from panokit.errors import ItemError, StorageError, UsageError
 from panokit.io import read_environment_map
 from panokit.io.files import storage_error
-from panokit.probes.index import Entry, Index, ProbeFilter, entry_of
+from panokit.probes.index import IN_MEMORY, Entry, Index, ProbeFilter, entry_of
 from panokit.probes.probe import Probe, probe_id
 from panokit.probes.shelf import MAP_NAME, Problem, Shelf
 from panokit.qa import Report, check
@@ -49,15 +50,20 @@ class Library:
     """Light maps with their records, previews and an index; use it in a `with` block.
 
     The folders are the library; the index is rebuilt from them when it is missing, damaged
-    or behind. One process writes at a time; others may read.
+    or behind. One process writes at a time; others may read. Where the index cannot be written,
+    an opened library makes do with one in memory, from the records.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, to_read: bool = False) -> None:
         """Use `Library.create` or `Library.open`."""
         self.folder = folder
         self._shelf = Shelf(folder / SHELF_NAME)
-        self._index = Index(folder / INDEX_NAME)
-        self._catch_up()
+        try:
+            self._index = self._opened(folder / INDEX_NAME)
+        except StorageError:
+            if not to_read:
+                raise
+            self._index = self._opened(IN_MEMORY)
 
     @classmethod
     def create(cls, folder: Path) -> "Library":
@@ -79,14 +85,19 @@ class Library:
 
         Raises:
             UsageError: If there is none.
+            StorageError: If it cannot be read.
         """
         folder = Path(folder)
-        if not (folder / SHELF_NAME).is_dir():
+        try:
+            is_library = (folder / SHELF_NAME).is_dir()
+        except OSError as error:
+            raise storage_error("read", folder, error) from error
+        if not is_library:
             raise UsageError(
                 f"There is no probe library in {folder}. "
-                "Make one by adding maps: panokit probes add LIBRARY MAP..."
+                f"Make one by adding maps: panokit probes add {_quoted(folder)} MAP..."
             )
-        return cls(folder)
+        return cls(folder, to_read=True)
 
     def __enter__(self) -> "Library":
         return self
@@ -154,7 +165,10 @@ class Library:
                 f"{len(found)} probes begin with {id!r}: {', '.join(found[:4])}... "
                 "Give more digits."
             )
-        raise UsageError(f"There is no probe {id!r} in {self.folder}. See `panokit probes list`.")
+        raise UsageError(
+            f"There is no probe {id!r} in {self.folder}. "
+            f"See those there with: panokit probes list {_quoted(self.folder)}"
+        )
 
     def map_path(self, id: str) -> Path:
         """The file of a probe's map; see `show` for `id`."""
@@ -175,18 +189,32 @@ class Library:
 
         Folders that an interruption left are removed. A probe with a damaged record is left
         out; `verify` tells of it.
+
+        Raises:
+            StorageError: If the index cannot be written.
         """
         self._shelf.sweep()
+        self._index.close()
+        self._index = Index(self.folder / INDEX_NAME)
         self._index.remove(self._index.ids())
-        self._catch_up()
+        self._catch_up(self._index)
         return len(self)
 
-    def _catch_up(self) -> None:
+    def _opened(self, path: Path) -> Index:
+        index = Index(path)
+        try:
+            self._catch_up(index)
+        except StorageError:
+            index.close()
+            raise
+        return index
+
+    def _catch_up(self, index: Index) -> None:
         """Bring the index to what the folders are: after a kill, a copy or a deleted index."""
-        on_shelf, indexed = set(self._shelf.ids()), self._index.ids()
+        on_shelf, indexed = set(self._shelf.ids()), index.ids()
         if on_shelf == indexed:
             return
-        self._index.remove(indexed - on_shelf)
+        index.remove(indexed - on_shelf)
         entries = []
         for id in sorted(on_shelf - indexed):
             try:
@@ -194,7 +222,11 @@ class Library:
             except ItemError:
                 # A damaged record hides one probe, not the library; verify reports it.
                 continue
-        self._index.put(entries)
+        index.put(entries)
+
+
+def _quoted(folder: Path) -> str:
+    return shlex.quote(str(folder))
 
 
 def _name_of(source: Path | EnvironmentMap) -> str:

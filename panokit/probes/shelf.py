@@ -7,6 +7,7 @@ swept up later. Only one process at a time may write to a library.
 
 import shutil
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -104,13 +105,15 @@ class Shelf:
     def sweep(self) -> tuple[str, ...]:
         """Remove what a kill or a full disk left half-way; the names of what was removed.
 
-        A folder that holds files of another kind is left alone: somebody put them there.
+        A folder that holds files of another kind is left alone: somebody put them there. So is
+        one that may not be removed; `problems` tells of both.
         """
         swept = []
         for folder in self._folders():
-            if folder.name.startswith(_UNFINISHED) or _is_abandoned(folder):
-                _remove(folder)
-                swept.append(folder.name)
+            with suppress(OSError):
+                if folder.name.startswith(_UNFINISHED) or _is_abandoned(folder):
+                    _remove(folder)
+                    swept.append(folder.name)
         return tuple(swept)
 
     def problems(self) -> Iterator[Problem]:
@@ -194,5 +197,8 @@ def _is_abandoned(folder: Path) -> bool:
 
 
 def _remove(folder: Path) -> None:
-    if folder.exists():
-        shutil.rmtree(folder)
+    try:
+        if folder.exists():
+            shutil.rmtree(folder)
+    except OSError as error:
+        raise storage_error("remove", folder, error) from error

@@ -2,9 +2,11 @@
 
 import os
 import shutil
+import sqlite3
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -118,7 +120,7 @@ def test_lists_are_filtered(library, make_map, wanted, names):
 def test_a_probe_is_shown_by_the_first_digits_of_its_id(library, make_map):
     probe = library.add(make_map(1)).probe
     assert library.show(probe.id[:5]) == probe
-    with pytest.raises(UsageError, match="no probe 'zz'"):
+    with pytest.raises(UsageError, match=r"no probe 'zz'.*panokit probes list .*lib"):
         library.show("zz")
     with pytest.raises(UsageError, match="no probe ''"):
         library.show("")
@@ -174,6 +176,7 @@ def test_reindex_follows_folders_that_came_and_went(tmp_path, make_map):
 KILLED_ADD = """
 import os, sys
 from pathlib import Path
+from types import SimpleNamespace
 import panokit.probes.shelf as shelf
 from panokit.io import read_environment_map
 from panokit.probes import Library
@@ -280,3 +283,76 @@ def test_verify_finds_a_probe_under_a_wrong_id(library, make_map):
 def test_opening_a_folder_that_is_no_library_says_how_to_make_one(tmp_path):
     with pytest.raises(UsageError, match="probes add"):
         Library.open(tmp_path)
+
+
+def as_it_lies(folder):
+    return {p: (p.stat().st_mtime_ns, p.stat().st_size) for p in sorted(folder.rglob("*"))}
+
+
+def test_a_library_whose_index_cannot_be_written_is_read_all_the_same(tmp_path, make_map):
+    with Library.create(tmp_path) as library:
+        probe = library.add(make_map(1)).probe
+        listed = library.list()
+    (tmp_path / "library.sqlite").unlink()
+    # Nobody, not even root, can open a folder as a database.
+    (tmp_path / "library.sqlite").mkdir()
+    before = as_it_lies(tmp_path)
+    with Library.open(tmp_path) as library:
+        assert library.list() == listed
+        assert library.show(probe.id[:6]) == probe
+        assert library.verify().problems == ()
+        with pytest.raises(StorageError, match=r"Cannot write the index .*permissions"):
+            library.reindex()
+    assert as_it_lies(tmp_path) == before
+    with pytest.raises(StorageError, match=r"Cannot write the index .*permissions"):
+        Library.create(tmp_path)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write all")
+def test_a_library_without_write_permission_is_read(tmp_path, make_map):
+    with Library.create(tmp_path / "lib") as library:
+        library.add(make_map(1))
+        listed = library.list()
+    folders = [tmp_path / "lib", *(p for p in (tmp_path / "lib").rglob("*"))]
+    for path in folders:
+        path.chmod(0o555 if path.is_dir() else 0o444)
+    try:
+        with Library.open(tmp_path / "lib") as library:
+            assert library.list() == listed
+    finally:
+        for path in folders:
+            path.chmod(0o755 if path.is_dir() else 0o644)
+
+
+def test_a_library_that_cannot_be_read_says_so(tmp_path, monkeypatch):
+    def locked(self):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "is_dir", locked)
+    with pytest.raises(StorageError, match=r"Cannot read .*ermissions") as caught:
+        Library.open(tmp_path)
+    assert "--out" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("code", "free", "is_full"),
+    [
+        (sqlite3.SQLITE_FULL, 1 << 30, True),
+        (sqlite3.SQLITE_IOERR_SHMSIZE, 0, True),
+        (sqlite3.SQLITE_IOERR_WRITE, 1 << 30, False),
+    ],
+)
+def test_a_full_disk_under_the_index_is_told_as_one(tmp_path, monkeypatch, code, free, is_full):
+    def fail(self):
+        error = sqlite3.OperationalError("disk I/O error")
+        error.sqlite_errorcode = code
+        raise error
+
+    monkeypatch.setattr("panokit.probes.index.Index._opened", fail)
+    monkeypatch.setattr(
+        "panokit.probes.index.shutil.disk_usage", lambda path: SimpleNamespace(free=free)
+    )
+    with pytest.raises(StorageError) as caught:
+        Library.create(tmp_path)
+    assert ("the disk is full. Free some space" in str(caught.value)) is is_full
+    assert ("may be deleted" in str(caught.value)) is not is_full
