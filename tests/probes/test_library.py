@@ -176,7 +176,6 @@ def test_reindex_follows_folders_that_came_and_went(tmp_path, make_map):
 KILLED_ADD = """
 import os, sys
 from pathlib import Path
-from types import SimpleNamespace
 import panokit.probes.shelf as shelf
 from panokit.io import read_environment_map
 from panokit.probes import Library
