@@ -57,7 +57,7 @@ def qa(
         if judged.rejection:
             console.note(f"qa: {judged.item.name} rejected: {judged.rejection.message}")
     console.result(
-        f"qa: {len(result.passed)} passed, {len(result.failed)} failed, "
+        f"qa: {len(result.passed)} without a defect, {len(result.failed)} with one, "
         f"{len(result.unreadable)} unreadable"
     )
     console.result(f"Report: {report}")

@@ -307,7 +307,7 @@ def test_a_library_whose_index_cannot_be_written_is_read_all_the_same(tmp_path, 
         Library.create(tmp_path)
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write all")
+@pytest.mark.unprivileged
 def test_a_library_without_write_permission_is_read(tmp_path, make_map):
     with Library.create(tmp_path / "lib") as library:
         library.add(make_map(1))
