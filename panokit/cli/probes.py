@@ -95,9 +95,9 @@ def list_probes(
         ("id", "name", "place", "stops", "qa", "license"),
         [
             (
-                entry.id,
-                _shortened(entry.name, 28),
-                _shortened(entry.place, 14),
+                entry.id[:10],
+                _tail(entry.name, 26),
+                _head(entry.place, 12),
                 "" if entry.dynamic_range_stops is None else f"{entry.dynamic_range_stops:.1f}",
                 entry.verdict,
                 entry.license,
@@ -174,8 +174,12 @@ def reindex(library: LibraryFolder, /, *, json: Json = False) -> int:
     return 0
 
 
-def _shortened(text: str, length: int) -> str:
-    # Names differ at their ends: what stands before is provider and city.
+def _head(text: str, length: int) -> str:
+    return text if len(text) <= length else text[: length - 1] + "…"
+
+
+def _tail(text: str, length: int) -> str:
+    # Names differ at their ends: what stands before is the provider.
     return text if len(text) <= length else "…" + text[1 - length :]
 
 

@@ -26,10 +26,7 @@ def run_demo(out: Path, console: Console) -> RunResult:
     pictures = embedded_city()
     settings = demo_settings()
     with StreetServer(pictures) as server:
-        console.note(
-            f"Serving {len(pictures)} panoramas of the embedded city at {server.url}, on this "
-            "machine only."
-        )
+        console.note(f"The embedded city is served at {server.url}, to this machine only.")
         fetch = settings.fetch.model_copy(
             update={"endpoint": f"{server.url}", "places": demo_places()}
         )

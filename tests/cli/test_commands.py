@@ -125,6 +125,8 @@ def test_a_library_from_the_command_line(tmp_path, sunny, capsys):
     assert "there already" in capsys.readouterr().out
     assert main(["probes", "list", library, "--json"]) == 0
     (entry,) = json.loads(capsys.readouterr().out)
+    assert main(["probes", "list", library]) == 0
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= 80
     assert main(["probes", "show", library, entry["id"][:6]]) == 0
     assert "256x128" in capsys.readouterr().out
     assert main(["probes", "verify", library]) == 0
