@@ -38,6 +38,23 @@ def mask_path(path: Path) -> Path:
     return path.with_name(path.stem + ".mask.png")
 
 
+def read_mask(path: Path) -> NDArray[np.bool_]:
+    """A mask from a picture: (H, W) bool, True where it is brighter than mid gray.
+
+    Raises:
+        ImageError: If it is not an image.
+        StorageError: If it cannot be read.
+    """
+    data = np.frombuffer(read_bytes(path), np.uint8)
+    try:
+        mask = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE)
+    except cv2.error:  # on an empty file
+        mask = None
+    if mask is None:
+        raise ImageError(f"The mask {path} is not an image. Make it again.", reason="not-an-image")
+    return np.asarray(mask > 127)
+
+
 def read_panorama(path: Path) -> Panorama:
     """A panorama from a JPEG, PNG, WebP or TIFF file.
 
@@ -61,7 +78,7 @@ def read_panorama(path: Path) -> Panorama:
         mask = mask_path(path)
         return Panorama(
             pixels=pixels,
-            valid=_read_mask(mask) if mask.name in record["files"] else None,
+            valid=read_mask(mask) if mask.name in record["files"] else None,
             capture=Capture.from_json(record["capture"]),
             frame=Frame(record["frame"]),
             provenance=Provenance.from_json(record["provenance"]),
@@ -245,10 +262,3 @@ def _record_of(path: Path, schema: str) -> dict[str, Any] | None:
             reason="damaged-record",
         )
     return value
-
-
-def _read_mask(path: Path) -> NDArray[np.bool_]:
-    mask = cv2.imdecode(np.frombuffer(read_bytes(path), np.uint8), cv2.IMREAD_GRAYSCALE)
-    if mask is None:
-        raise ImageError(f"The mask {path} is not an image. Make it again.", reason="not-an-image")
-    return np.asarray(mask > 127)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from panokit.engine import Outcome, attempt
 from panokit.errors import ImageError, UsageError
@@ -23,8 +23,9 @@ from panokit.inpaint import inpaint
 from panokit.inpaint.settings import VERSION as INPAINT_VERSION
 from panokit.inpaint.settings import InpaintSettings
 from panokit.io.captures import RECORD, read_capture
-from panokit.io.files import read_bytes, read_json, sha256_of_file
+from panokit.io.files import read_json, sha256_of_file
 from panokit.io.pictures import (
+    read_mask,
     read_panorama,
     record_path,
     write_environment_map,
@@ -101,7 +102,7 @@ def _stitch(task: StageTask, key: str) -> Mapping[str, Any]:
 def _inpaint(task: StageTask, key: str) -> Mapping[str, Any]:
     settings = _of(InpaintSettings, task)
     panorama = read_panorama(task.source)
-    mask = None if task.mask is None else _read_mask(task.mask, panorama.pixels.shape[:2])
+    mask = None if task.mask is None else _fitting_mask(task.mask, panorama.pixels.shape[:2])
     filled = inpaint(panorama, settings, mask)
     provenance = filled.provenance.with_inputs(task.inputs())
     write_panorama(filled.with_changes(provenance=provenance), task.target, key=key)
@@ -143,14 +144,12 @@ def _source_digest(source: Path) -> str:
     return sha256_of_file(source)
 
 
-def _read_mask(path: Path, shape: tuple[int, ...]) -> Any:
-    mask = cv2.imdecode(np.frombuffer(read_bytes(path), np.uint8), cv2.IMREAD_GRAYSCALE)
-    if mask is None:
-        raise ImageError(f"The mask {path} is not an image.", reason="not-an-image")
+def _fitting_mask(path: Path, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    mask = read_mask(path)
     if mask.shape != shape:
         raise ImageError(
             f"The mask {path} is {mask.shape[1]}x{mask.shape[0]}, the panorama "
             f"{shape[1]}x{shape[0]}. Make them the same size.",
             reason="wrong-mask",
         )
-    return mask > 127
+    return mask

@@ -47,6 +47,10 @@ def test_a_mask_says_what_to_fill(pictures, console, tmp_path):
     (tmp_path / "mask.png").write_bytes(encode_png(mask[:64]))
     rejected = run_batch("inpaint", tasks, console).rejections
     assert [rejection.reason for rejection in rejected] == ["wrong-mask"]
+    for nothing in (b"", b"hello"):
+        (tmp_path / "mask.png").write_bytes(nothing)
+        rejected = run_batch("inpaint", tasks, console).rejections
+        assert [rejection.reason for rejection in rejected] == ["not-an-image"]
 
 
 def test_wrong_calls_are_said_before_anything_is_done(pictures, tmp_path):
