@@ -15,12 +15,12 @@ from panokit.metrics.alignment import alignment_gain
 from panokit.metrics.balls import ball_error, ball_error_scale_invariant, diffuse_ball
 from panokit.metrics.lighting import (
     beyond_clip_ratio,
-    check_same_shape,
     energy_ratio,
     irradiance_errors,
     light_vector_error_deg,
     peak_error_deg,
 )
+from panokit.metrics.pairs import check_same_shape
 from panokit.metrics.pu21 import pu21_crf_psnr, pu21_psnr
 from panokit.sphere import resize_radiance
 

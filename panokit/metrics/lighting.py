@@ -4,15 +4,13 @@ Protocol "panokit-lighting-1": both maps have the same size and scale (see
 `panokit.metrics.alignment`); sums over the sphere are weighted by exact solid angles.
 """
 
-from typing import Any
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from panokit.color import luminance
-from panokit.errors import UsageError
 from panokit.frames import angle_between
+from panokit.metrics.pairs import Radiance
 from panokit.sphere import (
     energy,
     equirect_directions,
@@ -21,8 +19,6 @@ from panokit.sphere import (
     pixel_solid_angles,
 )
 from panokit.sphere.sampling import pad_sphere
-
-Radiance = NDArray[np.floating[Any]]
 
 SIX_AXES = np.array(
     [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], np.float64
@@ -77,19 +73,6 @@ def peak_direction(radiance: Radiance) -> NDArray[np.float64]:
 def peak_error_deg(estimate: Radiance, truth: Radiance) -> float:
     """The angle between the brightest spots of two maps, see `peak_direction`."""
     return float(np.degrees(angle_between(peak_direction(estimate), peak_direction(truth))))
-
-
-def check_same_shape(estimate: NDArray[Any], truth: NDArray[Any]) -> None:
-    """Check that two maps can be compared pixel by pixel.
-
-    Raises:
-        UsageError: If not.
-    """
-    if estimate.shape != truth.shape or estimate.ndim != 3 or estimate.shape[2] != 3:
-        raise UsageError(
-            f"Maps to compare are both (H, W, 3), not {estimate.shape} and {truth.shape}. "
-            "Resize one with panokit.sphere.resize_radiance."
-        )
 
 
 def _total(light: Radiance) -> float:

@@ -10,7 +10,7 @@ from panokit.metrics import (
     peak_direction,
     peak_error_deg,
 )
-from panokit.metrics.lighting import check_same_shape
+from panokit.metrics.pairs import check_same_shape
 from panokit.sphere import equirect_directions
 
 
