@@ -104,7 +104,7 @@ def si_rmse(
         weighting: How much a pixel counts.
     """
     guess, true = radiance_pair(estimate, truth)
-    weights = pixel_weights(*true.shape[:2], weighting)[..., None]
+    weights = pixel_weights(true.shape, weighting)[..., None]
     over = (0, 1) if per_channel else (0, 1, 2)
     power = (weights * guess**2).sum(axis=over)
     shared = (weights * guess * true).sum(axis=over)
@@ -143,7 +143,7 @@ def rgb_angular_deg(
     if no pixel counts.
     """
     guess, true = radiance_pair(estimate, truth)
-    weights = np.broadcast_to(pixel_weights(*true.shape[:2], weighting), true.shape[:2])
+    weights = np.broadcast_to(pixel_weights(true.shape, weighting), true.shape[:2])
     return mean_color_angle_deg(guess, true, weights)
 
 
@@ -161,5 +161,5 @@ def mean_color_angle_deg(
 
 def _mean(values: NDArray[np.float64], weighting: Weighting) -> float:
     """The weighted mean over pixels, and the plain one over channels."""
-    weights = pixel_weights(*values.shape[:2], weighting)
+    weights = pixel_weights(values.shape, weighting)
     return float((values.mean(axis=2) * weights).sum())

@@ -84,12 +84,17 @@ def check_radiance(radiance: NDArray[Any]) -> None:
         )
 
 
-def pixel_weights(height_px: int, width_px: int, weighting: Weighting) -> NDArray[np.float64]:
+def pixel_weights(shape: tuple[int, ...], weighting: Weighting) -> NDArray[np.float64]:
     """How much a pixel of each row counts, (H, 1) float64; over all pixels the sum is 1.
+
+    Args:
+        shape: Of the map, (H, W, ...).
+        weighting: By what.
 
     Raises:
         UsageError: If the weighting is not known.
     """
+    height_px, width_px = shape[:2]
     if weighting == "solid-angle":
         return row_solid_angles(height_px, width_px)[:, None] / (4 * np.pi)
     if weighting == "pixel":
