@@ -109,7 +109,8 @@ class Client:
         Raises:
             UsageError: If the address is none, or credentials would travel unencrypted.
         """
-        for secret in request.secrets.values():
+        credentials = [*request.secrets.values(), request.authorization]
+        for secret in (*credentials, request.authorization.rpartition(" ")[2]):
             self._redactor.remember(secret)
         parts = urlsplit(request.url)
         if parts.scheme not in ("http", "https") or not parts.hostname:
@@ -117,7 +118,8 @@ class Client:
                 f"{public_url(request.url)!r} is not a web address. Write it like "
                 "https://example.org."
             )
-        if request.secrets and parts.scheme != "https" and parts.hostname not in _LOOPBACK:
+        is_open = parts.scheme != "https" and parts.hostname not in _LOOPBACK
+        if any(credentials) and is_open:
             raise UsageError(
                 f"A key would travel unencrypted to {parts.hostname}. Use an https:// address."
             )

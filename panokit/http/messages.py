@@ -16,6 +16,7 @@ class Request:
         method: "GET" or "POST".
         params: Query parameters.
         secrets: Query parameters whose values nobody may see; never sent to another origin.
+        authorization: The Authorization header ("OAuth MLY|..."), just as secret.
         body: A JSON value to post.
         expect: "json" bodies must parse; "image" bodies must not be text.
         check: Raises an `ItemError` for a body that is not what was asked; then the request
@@ -27,6 +28,7 @@ class Request:
     method: Literal["GET", "POST"] = "GET"
     params: Mapping[str, str] = field(default_factory=dict)
     secrets: Mapping[str, str] = field(default_factory=dict, repr=False)
+    authorization: str = field(default="", repr=False)
     body: Any = None
     expect: Literal["json", "image"] = "json"
     check: Callable[[bytes], object] | None = None

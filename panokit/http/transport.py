@@ -72,28 +72,37 @@ class Transport:
         deadline_s = time.monotonic() + self._policy.total_timeout_s
         method, url, body = request.method, request.url, request.body
         params: Mapping[str, str] = {**request.params, **request.secrets}
+        headers = {"Authorization": request.authorization} if request.authorization else {}
         for _ in range(_MAX_REDIRECTS + 1):
-            with self._response(method, url, params, body) as response:
+            with self._response(method, url, params, headers, body) as response:
                 _log.debug("%s %s: %d", method, public_url(url), response.status_code)
                 location = response.headers.get("Location")
                 if not response.is_redirect or location is None:
                     data = self._read(response, deadline_s)
                     return Reply(status=response.status_code, headers=response.headers, body=data)
             # The new address is taken as it stands: parameters and credentials stay here.
-            url, params = self._redirect_target(url, location), {}
+            source, url, params = url, self._redirect_target(url, location), {}
+            if not _is_same_origin(source, url):
+                headers = {}
             if response.status_code not in (307, 308):
                 method, body = "GET", None
         raise _BadRedirectError("it redirects in circles")
 
     @contextmanager
     def _response(
-        self, method: str, url: str, params: Mapping[str, str], body: Any
+        self,
+        method: str,
+        url: str,
+        params: Mapping[str, str],
+        headers: Mapping[str, str],
+        body: Any,
     ) -> Iterator[requests.Response]:
         timeout = (self._policy.connect_timeout_s, self._policy.read_timeout_s)
         response = self._session().request(
             method,
             url,
             params=params,
+            headers=dict(headers),
             json=body,
             timeout=timeout,
             allow_redirects=False,
@@ -121,7 +130,7 @@ class Transport:
         old, new = urlsplit(source), urlsplit(target)
         if old.scheme == "https" and new.scheme != "https":
             raise _BadRedirectError("it redirects from https to an unencrypted address")
-        if (old.scheme, old.netloc) == (new.scheme, new.netloc):
+        if _is_same_origin(source, target):
             return target
         given = parse_qsl(new.query, keep_blank_values=True)
         kept = [(name, value) for name, value in given if not self._redactor.is_secret(value)]
@@ -145,6 +154,11 @@ class Transport:
 
 class _BadRedirectError(Exception):
     """A redirect that must not be followed."""
+
+
+def _is_same_origin(one: str, other: str) -> bool:
+    a, b = urlsplit(one), urlsplit(other)
+    return (a.scheme, a.netloc) == (b.scheme, b.netloc)
 
 
 def _no_authentication(request: requests.PreparedRequest) -> requests.PreparedRequest:

@@ -22,6 +22,7 @@ class Request:
         query: The last value of each parameter.
         headers: With lower-case names.
         body: The bytes that were posted.
+        target: Path and query exactly as they were sent.
     """
 
     port: Port
@@ -30,6 +31,7 @@ class Request:
     query: Mapping[str, str] = field(default_factory=dict)
     headers: Mapping[str, str] = field(default_factory=dict)
     body: bytes = b""
+    target: str = ""
 
     def json(self) -> Any:
         """The posted JSON value, or None if the body is not JSON."""
@@ -49,6 +51,8 @@ class Reply:
         content_type: Of the body.
         headers: More headers.
         truncate: Send only half of the body that Content-Length promises, then hang up.
+        reset: Cut the connection in place of a reply.
+        seconds: How long sending the body takes.
     """
 
     status: int = 200
@@ -56,6 +60,8 @@ class Reply:
     content_type: str = JSON
     headers: Mapping[str, str] = field(default_factory=dict)
     truncate: bool = False
+    reset: bool = False
+    seconds: float = 0.0
 
 
 def json_reply(value: Any, status: int = 200) -> Reply:

@@ -1,31 +1,68 @@
-"""What the look-alike services can be told to do wrong."""
+"""What the look-alike services can be told to do wrong, as values."""
 
-import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
-from panokit.synthetic.exchange import Reply, Request
+from panokit.errors import UsageError
 
 TWO_WEEKS_S = 14 * 24 * 3600.0
+
+TroubleKind = Literal[
+    "429",
+    "429-date",
+    "429-body",
+    "429-any",
+    "500",
+    "503",
+    "html",
+    "wrong-type",
+    "empty",
+    "truncated",
+    "reset",
+    "slow",
+    "small",
+    "black",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trouble:
-    """A passing fault: the first `times` requests to a path meet it, later ones do not.
+    """A passing fault: the same request may succeed when it is made again.
+
+    Without a rate, the first `times` requests meet it. With one, it is drawn for each request
+    from the seed, the address and how often that address was asked before, so that equal
+    runs meet equal faults, whatever the order of their requests.
 
     Attributes:
-        kind: "429" with a Retry-After header, "429-body" with the delay in Google's JSON body
-            only, "500", "html" (a web page with status 200), or "truncated" (half a body).
+        kind: "429" with Retry-After in seconds, "429-date" with it as a date, "429-body" with
+            the delay in Google's JSON body only, "429-any" one of these three; "500", "503";
+            "html" (a web page with status 200), "wrong-type" (a good body called text),
+            "empty", "truncated" (half a body), "reset" (the connection is cut), "slow" (the
+            body trickles), "small" (a picture at half its size), "black" (an all-black one).
         path: The fault meets requests whose path contains this text.
-        times: How many of them.
-        retry_after_s: The delay that a 429 asks for.
+        times: How many requests meet it, where there is no rate.
+        rate: The share of requests that meet it, 0 to 1.
+        attempts: With a rate: only so many first requests for an address meet it; None for all.
+        retry_after_s: The delay that a 429 asks for. Headers have whole seconds only: a
+            fraction is rounded up that often that the mean is right.
+        slow_s: How long a slow body takes.
     """
 
-    kind: Literal["429", "429-body", "500", "html", "truncated"]
+    kind: TroubleKind
     path: str = ""
     times: int = 1
-    retry_after_s: int = 0
+    rate: float | None = None
+    attempts: int | None = None
+    retry_after_s: float = 0
+    slow_s: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(TroubleKind):
+            known = ", ".join(get_args(TroubleKind))
+            raise UsageError(f"There is no trouble {self.kind!r}; there are {known}.")
+        if self.rate is not None and not 0 <= self.rate <= 1:
+            raise UsageError(f"A rate is 0 to 1 (or 0% to 100%), not {self.rate}.")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,73 +71,41 @@ class Faults:
 
     Attributes:
         troubles: Passing faults; a request meets the first one that is left for its path.
+        seed: Of the troubles that have a rate.
         api_disabled: The Google project has the API switched off: 403 SERVICE_DISABLED.
         session_lifetime_s: After this a Google session is refused.
+        session_uses: After so many requests a Google session is refused; None for no end.
         out_of_range: A tile outside the picture is an all-black tile, or a 404.
         edge_tiles: Tiles at the right and lower edge are padded with black, or cropped.
         tile_body_px: The size of Google tile bodies; 256 px bodies have been seen in the wild.
         missing_tiles: (zoom, column, row) of Google tiles that are lost: 404.
+        black_tiles: (zoom, column, row) of Google tiles that are lost: an all-black tile.
         retired: Ids that the services list but no longer have.
         sparse_metadata: Leave out every metadata field that may be absent.
+        quota_per_minute: Of Google tiles and panoIds, and of Static views; more are a 429. The
+            real one is 6000.
+        quota_per_day: Likewise; 15000.
+        signature_required: The Static API refuses requests that are not signed.
+        url_lifetime_s: After this a signed address of a Mapillary picture is refused.
+        dense_box: Mapillary refuses boxes that hold more pictures than this.
+        thinned: Mapillary lists every other picture only, unless the box is small.
     """
 
     troubles: Sequence[Trouble] = ()
+    seed: int = 0
     api_disabled: bool = False
     session_lifetime_s: float = TWO_WEEKS_S
+    session_uses: int | None = None
     out_of_range: Literal["black", "not-found"] = "black"
     edge_tiles: Literal["padded", "cropped"] = "padded"
     tile_body_px: int = 512
     missing_tiles: frozenset[tuple[int, int, int]] = frozenset()
+    black_tiles: frozenset[tuple[int, int, int]] = frozenset()
     retired: frozenset[str] = frozenset()
     sparse_metadata: bool = False
-
-
-class TroubleSchedule:
-    """Counts down the passing faults of one server; safe to use from many threads."""
-
-    def __init__(self, troubles: Sequence[Trouble]) -> None:
-        self._troubles = tuple(troubles)
-        self._left = [trouble.times for trouble in troubles]
-        self._lock = threading.Lock()
-
-    def next_for(self, request: Request) -> Trouble | None:
-        """The fault that this request meets, or None."""
-        with self._lock:
-            for index, trouble in enumerate(self._troubles):
-                if self._left[index] > 0 and trouble.path in request.path:
-                    self._left[index] -= 1
-                    return trouble
-        return None
-
-
-def spoil(reply: Reply, trouble: Trouble) -> Reply:
-    """The reply as a request that meets `trouble` sees it."""
-    if trouble.kind == "truncated":
-        return Reply(
-            status=reply.status, body=reply.body, content_type=reply.content_type, truncate=True
-        )
-    if trouble.kind == "html":
-        page = b"<!DOCTYPE html><html><body>Please sign in to the network.</body></html>"
-        return Reply(body=page, content_type="text/html; charset=utf-8")
-    if trouble.kind == "500":
-        return Reply(status=500, body=b'{"message": "Internal Server Error", "status_code": 500}')
-    if trouble.kind == "429":
-        return Reply(
-            status=429,
-            body=b'{"message": "Too Many Requests", "status_code": 429}',
-            headers={"Retry-After": str(trouble.retry_after_s)},
-        )
-    return Reply(status=429, body=_quota_body(trouble.retry_after_s))
-
-
-def _quota_body(delay_s: int) -> bytes:
-    # Google states the delay in the body and often sends no Retry-After.
-    return (
-        '{"error": {"code": 429, "message": "Quota exceeded for quota metric '
-        "'Street View tile requests' and limit 'Street View tile requests per minute'.\", "
-        '"status": "RESOURCE_EXHAUSTED", "details": ['
-        '{"@type": "type.googleapis.com/google.rpc.ErrorInfo", '
-        '"reason": "RATE_LIMIT_EXCEEDED", "domain": "googleapis.com", "metadata": {}}, '
-        '{"@type": "type.googleapis.com/google.rpc.RetryInfo", '
-        f'"retryDelay": "{delay_s}s"}}]}}}}'
-    ).encode()
+    quota_per_minute: int | None = None
+    quota_per_day: int | None = None
+    signature_required: bool = False
+    url_lifetime_s: float = 3600.0
+    dense_box: int | None = None
+    thinned: bool = False

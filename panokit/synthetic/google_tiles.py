@@ -8,6 +8,7 @@ are not powers of two, and edge tiles padded with black.
 import math
 import threading
 import time
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,10 @@ from numpy.typing import NDArray
 from panokit.io.images import encode_jpeg
 from panokit.synthetic.exchange import Reply, Request, jpeg_reply, json_reply
 from panokit.synthetic.faults import Faults
+from panokit.synthetic.google_errors import error, invalid, not_found, too_many
 from panokit.synthetic.pictures import PictureStore, ServedPicture
+from panokit.synthetic.quota import QuotaCounter
+from panokit.synthetic.views import view_of
 
 TILE_PX = 512
 HIGHEST_ZOOM = 5
@@ -42,6 +46,8 @@ class GoogleTiles:
         self._store = store
         self._key = key
         self._sessions: dict[str, float] = {}
+        self._uses: Counter[str] = Counter()
+        self._quota = QuotaCounter()
         self._lock = threading.Lock()
 
     def answer(self, request: Request, faults: Faults) -> Reply:
@@ -51,21 +57,26 @@ class GoogleTiles:
             return refusal
         if request.path == "/v1/createSession":
             return self._create_session(request, faults)
-        refusal = self._refuse_session(request)
+        refusal = self._refuse_session(request, faults)
         if refusal is not None:
             return refusal
+        if request.path == "/v1/streetview/metadata":
+            return self._metadata(request, faults)  # free of any quota
+        exceeded = self._quota.spend(faults.quota_per_minute, faults.quota_per_day)
+        if exceeded is not None:
+            return too_many(exceeded.period, exceeded.retry_after_s)
         if request.path == "/v1/streetview/panoIds":
             return self._pano_ids(request)
-        if request.path == "/v1/streetview/metadata":
-            return self._metadata(request, faults)
+        if request.path == "/v1/streetview/thumbnail":
+            return self._thumbnail(request, faults)
         if request.path.startswith("/v1/streetview/tiles/"):
             return self._tile(request, faults)
-        return _error(404, "Requested entity was not found.", "NOT_FOUND")
+        return error(404, "Requested entity was not found.", "NOT_FOUND")
 
     def _refuse_key(self, request: Request, faults: Faults) -> Reply | None:
         key = request.query.get("key")
         if not key:
-            return _error(
+            return error(
                 403,
                 "Method doesn't allow unregistered callers. Please use API Key or other form "
                 "of API consumer identity to call this API.",
@@ -74,21 +85,21 @@ class GoogleTiles:
         if key != self._key:
             # A wrong key arrives as 400, not as 401 or 403.
             message = "API key not valid. Please pass a valid API key."
-            return _error(400, message, "INVALID_ARGUMENT", "API_KEY_INVALID")
+            return error(400, message, "INVALID_ARGUMENT", "API_KEY_INVALID")
         if faults.api_disabled:
             message = (
                 "Map Tiles API has not been used in project 123456789012 before or it is "
                 "disabled. Enable it in the console, then retry."
             )
-            return _error(403, message, "PERMISSION_DENIED", "SERVICE_DISABLED")
+            return error(403, message, "PERMISSION_DENIED", "SERVICE_DISABLED")
         return None
 
     def _create_session(self, request: Request, faults: Faults) -> Reply:
         asked = request.json()
         if request.method != "POST" or not isinstance(asked, dict):
-            return _invalid("Invalid JSON payload received.")
+            return invalid("Invalid JSON payload received.")
         if asked.get("mapType") != "streetview":
-            return _invalid(f"Invalid value at 'map_type': {asked.get('mapType')!r}.")
+            return invalid(f"Invalid value at 'map_type': {asked.get('mapType')!r}.")
         expiry = time.time() + faults.session_lifetime_s
         with self._lock:
             token = f"lookalike-session-{len(self._sessions) + 1}"
@@ -103,22 +114,25 @@ class GoogleTiles:
             }
         )
 
-    def _refuse_session(self, request: Request) -> Reply | None:
+    def _refuse_session(self, request: Request, faults: Faults) -> Reply | None:
+        token = request.query.get("session", "")
         with self._lock:
-            expiry = self._sessions.get(request.query.get("session", ""))
+            expiry = self._sessions.get(token)
+            self._uses[token] += 1
+            is_used_up = faults.session_uses is not None and self._uses[token] > faults.session_uses
         if expiry is None:
-            return _invalid("The session token is missing or not valid.")
-        if time.time() >= expiry:
-            return _invalid("The session token has expired.")
+            return invalid("The session token is missing or not valid.")
+        if time.time() >= expiry or is_used_up:
+            return invalid("The session token has expired.")
         return None
 
     def _pano_ids(self, request: Request) -> Reply:
         asked = request.json()
         if request.method != "POST" or not isinstance(asked, dict):
-            return _invalid("Invalid JSON payload received.")
+            return invalid("Invalid JSON payload received.")
         locations = asked.get("locations") or []
         if not 1 <= len(locations) <= _MOST_LOCATIONS:
-            return _invalid(f"Between 1 and {_MOST_LOCATIONS} locations are allowed.")
+            return invalid(f"Between 1 and {_MOST_LOCATIONS} locations are allowed.")
         radius_m = float(asked.get("radius", 50))
         found = [
             self._store.nearest(float(place["lat"]), float(place["lng"]), radius_m)
@@ -137,9 +151,9 @@ class GoogleTiles:
                 )
             )
         except (KeyError, ValueError):
-            return _invalid("Specify either a panoId or a lat and a lng.")
+            return invalid("Specify either a panoId or a lat and a lng.")
         if picture is None or picture.capture.id in faults.retired:
-            return _not_found()
+            return not_found()
         return json_reply(self._description(picture, sparse=faults.sparse_metadata))
 
     def _description(self, picture: ServedPicture, *, sparse: bool) -> dict[str, Any]:
@@ -181,22 +195,45 @@ class GoogleTiles:
             links.append({"panoId": other.capture.id, "heading": round(heading_deg, 5)})
         return links
 
+    def _thumbnail(self, request: Request, faults: Faults) -> Reply:
+        query = request.query
+        picture = self._store.get(query.get("panoId", ""))
+        if picture is None or picture.capture.id in faults.retired:
+            return not_found()
+        try:
+            width_px, height_px = int(query["width"]), int(query["height"])
+            heading_deg = float(query.get("yaw", query.get("heading", 0)))
+            pitch_deg, fov_deg = float(query.get("pitch", 0)), float(query.get("fov", 120))
+        except (KeyError, ValueError):
+            return invalid("A thumbnail needs width and height.")
+        if not (16 <= width_px <= 600 and 16 <= height_px <= 250 and 0 < fov_deg < 180):
+            return invalid("A thumbnail is 16x16 to 600x250 px.")
+        view = view_of(
+            self._store,
+            picture,
+            (width_px, height_px),
+            heading_deg=heading_deg,
+            pitch_deg=pitch_deg,
+            fov_deg=fov_deg,
+        )
+        return jpeg_reply(encode_jpeg(view, quality=90))
+
     def _tile(self, request: Request, faults: Faults) -> Reply:
         try:
             zoom, column, row = (int(part) for part in request.path.split("/")[4:])
         except ValueError:
-            return _invalid("A tile is named by three whole numbers, z/x/y.")
+            return invalid("A tile is named by three whole numbers, z/x/y.")
         if not 0 <= zoom <= HIGHEST_ZOOM:
-            return _invalid(f"Zoom must be between 0 and {HIGHEST_ZOOM}.")
+            return invalid(f"Zoom must be between 0 and {HIGHEST_ZOOM}.")
         picture = self._store.get(request.query.get("panoId", ""))
         if picture is None or picture.capture.id in faults.retired:
-            return _not_found()
+            return not_found()
         if (zoom, column, row) in faults.missing_tiles:
-            return _not_found()
+            return not_found()
         pixels = self._tile_pixels(picture, zoom, column, row)
         if pixels is None and faults.out_of_range == "not-found":
-            return _not_found()
-        if pixels is None:
+            return not_found()
+        if pixels is None or (zoom, column, row) in faults.black_tiles:
             pixels = np.zeros((0, 0, 3), np.uint8)
         if faults.edge_tiles == "padded" or not pixels.size:
             pixels = _padded(pixels)
@@ -221,30 +258,3 @@ def _padded(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
     tile = np.zeros((TILE_PX, TILE_PX, 3), np.uint8)
     tile[: pixels.shape[0], : pixels.shape[1]] = pixels
     return tile
-
-
-def _invalid(message: str) -> Reply:
-    return _error(400, message, "INVALID_ARGUMENT")
-
-
-def _not_found() -> Reply:
-    return _error(404, "Requested entity was not found.", "NOT_FOUND")
-
-
-def _error(code: int, message: str, status: str, reason: str = "") -> Reply:
-    error: dict[str, Any] = {"code": code, "message": message, "status": status}
-    if reason:
-        error["details"] = [
-            {
-                "@type": "type.googleapis.com/google.rpc.ErrorInfo",
-                "reason": reason,
-                "domain": "googleapis.com",
-                "metadata": {"service": "tile.googleapis.com"},
-            },
-            {
-                "@type": "type.googleapis.com/google.rpc.LocalizedMessage",
-                "locale": "en-US",
-                "message": message,
-            },
-        ]
-    return json_reply({"error": error}, code)

@@ -107,6 +107,11 @@ class PictureStore:
         box = (0, 0, width_px, height_px)
         return encode_jpeg(self.piece(picture, (width_px, height_px), box), quality=_JPEG_QUALITY)
 
+    def pixels(self, picture: ServedPicture, width_px: int) -> NDArray[np.uint8]:
+        """(H, W, 3) uint8 RGB: the picture at this width, or as it is if it has less."""
+        height_px = round(width_px * picture.size_px[1] / picture.size_px[0])
+        return self._level(picture, width_px, height_px)
+
     def piece(
         self, picture: ServedPicture, size_px: tuple[int, int], box_px: tuple[int, int, int, int]
     ) -> NDArray[np.uint8]:

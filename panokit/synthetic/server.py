@@ -9,9 +9,14 @@ pictures redirect to; credentials that arrive there are recorded as violations.
 """
 
 import errno
+import hashlib
 import logging
+import socket
+import struct
 import threading
+import time
 from collections.abc import Sequence
+from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
 from typing import Any
@@ -19,22 +24,35 @@ from urllib.parse import parse_qsl, unquote, urlsplit
 
 from panokit.errors import UsageError
 from panokit.synthetic.exchange import Port, Reply, Request, json_reply
-from panokit.synthetic.faults import Faults, TroubleSchedule, spoil
+from panokit.synthetic.faults import Faults
+from panokit.synthetic.google_static import PATH as STATIC_PATH
+from panokit.synthetic.google_static import GoogleStatic
 from panokit.synthetic.google_tiles import GoogleTiles
+from panokit.synthetic.mapillary import STORAGE_PATH as MAPILLARY_STORAGE_PATH
+from panokit.synthetic.mapillary import Mapillary
 from panokit.synthetic.panoramax import Panoramax
 from panokit.synthetic.pictures import PictureStore, ServedPicture
+from panokit.synthetic.polyhaven import STORAGE_PATH as POLYHAVEN_STORAGE_PATH
+from panokit.synthetic.polyhaven import PolyHaven
+from panokit.synthetic.troubles import TroubleSchedule, spoil
 
 DEFAULT_KEY = "panokit"
+DEFAULT_TOKEN = "MLY|panokit"
+_TRICKLES = 10
 _log = logging.getLogger(__name__)
 
 
 class StreetServer:
-    """Serves pictures as Google Map Tiles (under /v1) and as Panoramax (under /api).
+    """Serves pictures as five services at once, told apart by their paths.
+
+    Google Map Tiles under /v1, the Street View Static API under /maps/api/streetview, Panoramax
+    under /api, Mapillary at /images and /ID, and Poly Haven at /assets, /info and /files.
 
     Args:
         pictures: What to serve.
         faults: What to do wrong.
         key: The only Google API key that is accepted.
+        token: The only Mapillary token that is accepted.
         port: To listen on; 0 takes a free one.
 
     Attributes:
@@ -48,11 +66,12 @@ class StreetServer:
         *,
         faults: Faults | None = None,
         key: str = DEFAULT_KEY,
+        token: str = DEFAULT_TOKEN,
         port: int = 0,
     ) -> None:
         store = PictureStore(pictures)
         self._faults = faults or Faults()
-        self._troubles = TroubleSchedule(self._faults.troubles)
+        self._troubles = TroubleSchedule(self._faults)
         self._requests: list[Request] = []
         self._violations: list[str] = []
         self._lock = threading.Lock()
@@ -61,7 +80,10 @@ class StreetServer:
             f"http://127.0.0.1:{listener.server_address[1]}" for listener in self._listeners
         )
         self._google = GoogleTiles(store, key)
+        self._static = GoogleStatic(store, key)
         self._panoramax = Panoramax(store, self.url, self.storage_url)
+        self._mapillary = Mapillary(store, token, self.storage_url)
+        self._polyhaven = PolyHaven(store, self.storage_url)
 
     def __enter__(self) -> "StreetServer":
         for listener in self._listeners:
@@ -96,7 +118,7 @@ class StreetServer:
         """Do these things wrong from now on."""
         with self._lock:
             self._faults = faults
-            self._troubles = TroubleSchedule(faults.troubles)
+            self._troubles = TroubleSchedule(faults)
 
     def _answer(self, request: Request) -> Reply:
         with self._lock:
@@ -105,17 +127,42 @@ class StreetServer:
                 self._violations.append(f"Authorization was sent to the storage: {request.path}")
             faults, troubles = self._faults, self._troubles
         trouble = troubles.next_for(request)
-        reply = self._route(request, faults)
-        return reply if trouble is None else spoil(reply, trouble)
+        reply = _with_etag(self._route(request, faults), request)
+        return reply if trouble is None else spoil(reply, trouble, request)
 
     def _route(self, request: Request, faults: Faults) -> Reply:
+        path = request.path
         if request.port == "storage":
-            return self._panoramax.answer_storage(request, faults)
-        if request.path.startswith("/v1/"):
+            return self._stored(request, faults)
+        if path.startswith("/v1/"):
             return self._google.answer(request, faults)
-        if request.path.startswith("/api"):
+        if path.startswith(STATIC_PATH):
+            return self._static.answer(request, faults)
+        if path.startswith("/api"):
             return self._panoramax.answer(request, faults)
+        if path.startswith(("/assets", "/info/", "/files/", "/types")):
+            return self._polyhaven.answer(request, faults)
+        if path.count("/") == 1 and path != "/":
+            return self._mapillary.answer(request, faults)
         return json_reply({"message": "Nothing is served here.", "status_code": 404}, 404)
+
+    def _stored(self, request: Request, faults: Faults) -> Reply:
+        if request.path.startswith(MAPILLARY_STORAGE_PATH):
+            return self._mapillary.answer_storage(request, faults)
+        if request.path.startswith(POLYHAVEN_STORAGE_PATH):
+            return self._polyhaven.answer_storage(request, faults)
+        return self._panoramax.answer_storage(request, faults)
+
+
+def _with_etag(reply: Reply, request: Request) -> Reply:
+    """Pictures carry an ETag; who has that version already gets a 304 without a body."""
+    if reply.status != 200 or not reply.content_type.startswith("image/"):
+        return reply
+    etag = f'"{hashlib.sha256(reply.body).hexdigest()[:16]}"'
+    headers = {**reply.headers, "ETag": etag}
+    if request.headers.get("if-none-match") == etag:
+        return Reply(status=304, content_type=reply.content_type, headers=headers)
+    return replace(reply, headers=headers)
 
 
 def _listen(port_name: Port, answer: Any, port: int) -> ThreadingHTTPServer:
@@ -159,10 +206,14 @@ class _Handler(BaseHTTPRequestHandler):
             query=dict(parse_qsl(parts.query)),
             headers={name.lower(): value for name, value in self.headers.items()},
             body=self.rfile.read(length),
+            target=self.path,
         )
         self._send(self.answer(request))
 
     def _send(self, reply: Reply) -> None:
+        if reply.reset:
+            self._cut()
+            return
         self.send_response(reply.status)
         self.send_header("Content-Type", reply.content_type)
         self.send_header("Content-Length", str(len(reply.body)))
@@ -174,9 +225,25 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
         body = reply.body[: len(reply.body) // 2] if reply.truncate else reply.body
         try:
-            self.wfile.write(body)
+            self._write(body, reply.seconds)
         except (BrokenPipeError, ConnectionResetError):
             self.close_connection = True
+
+    def _write(self, body: bytes, seconds: float) -> None:
+        if not seconds:
+            self.wfile.write(body)
+            return
+        step = -(-len(body) // _TRICKLES) or 1
+        for start in range(0, len(body), step):
+            self.wfile.write(body[start : start + step])
+            time.sleep(seconds / _TRICKLES)
+
+    def _cut(self) -> None:
+        # Closing without lingering sends a reset, not an end; the file objects of the handler
+        # would hold a socket that is closed by its own method.
+        self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        socket.close(self.connection.detach())
+        self.close_connection = True
 
     def log_message(self, format: str, *args: Any) -> None:
         _log.debug(format, *args)

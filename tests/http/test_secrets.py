@@ -111,3 +111,22 @@ def test_the_urllib3_log_is_left_as_it_was(quick):
     with Client(quick):
         assert len(logger.filters) == len(before) + 1
     assert logger.filters == before
+
+
+def test_an_authorization_header_stays_with_its_origin(server, new_server, quick, caplog):
+    other = new_server()
+    other.answers = [Answer(status=404)]
+    server.answers = [
+        Answer(status=302, headers={"Location": "/again"}),
+        Answer(status=302, headers={"Location": f"{other.url}/stored"}),
+    ]
+    caplog.set_level(logging.DEBUG)
+    request = Request(url=server.url, authorization="OAuth MLY|123|s3cret")
+    with Client(quick) as client, pytest.raises(PanokitError) as caught:
+        client.send(request)
+    assert [one.get("Authorization") for one in server.headers] == ["OAuth MLY|123|s3cret"] * 2
+    assert "Authorization" not in other.headers[0]
+    told = repr(request) + caplog.text + "".join(traceback.format_exception(caught.value))
+    assert "s3cret" not in told
+    with pytest.raises(UsageError, match="unencrypted"):
+        Client(quick).send(Request(url="http://a.example", authorization="OAuth x"))
