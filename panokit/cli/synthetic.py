@@ -72,5 +72,8 @@ def serve(
             while True:
                 time.sleep(3600)
         except KeyboardInterrupt:
-            console.note("Stopped.")
+            met = ", ".join(f"{n} {kind}" for kind, n in sorted(server.faults_met.items()))
+            console.note(f"Stopped after {len(server.requests)} requests{met and f'; {met}'}.")
+            for violation in server.violations:
+                console.note(violation)
     return 0

@@ -1,6 +1,6 @@
 """A procedural city with true HDR, and a local server that looks like the real services.
 
-    server      Google Map Tiles and Panoramax on 127.0.0.1
+    server      Google, Panoramax, Mapillary and Poly Haven on 127.0.0.1, with faults on demand
     folder      pictures to serve from a folder of the user's own
     embedded    the city that travels with panokit: panoramas to fetch, truth for the judge
     generate    more panoramas of more places, from a seed (needs the `render` extra)
@@ -16,6 +16,7 @@ from panokit.lazy import lazy_names
 
 if TYPE_CHECKING:
     from panokit.synthetic.embedded import embedded_city, embedded_truth
+    from panokit.synthetic.fault_language import parse_faults
     from panokit.synthetic.faults import Faults, Trouble
     from panokit.synthetic.folder import pictures_in
     from panokit.synthetic.generate import render_city
@@ -35,6 +36,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "Trouble": "panokit.synthetic.faults",
         "embedded_city": "panokit.synthetic.embedded",
         "embedded_truth": "panokit.synthetic.embedded",
+        "parse_faults": "panokit.synthetic.fault_language",
         "pictures_in": "panokit.synthetic.folder",
         "render_city": "panokit.synthetic.generate",
         "serve": "panokit.synthetic.serving",

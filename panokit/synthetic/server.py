@@ -15,6 +15,7 @@ import socket
 import struct
 import threading
 import time
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -38,6 +39,7 @@ from panokit.synthetic.troubles import TroubleSchedule, spoil
 
 DEFAULT_KEY = "panokit"
 DEFAULT_TOKEN = "MLY|panokit"
+REPORT_PATH = "/look-alike"
 _TRICKLES = 10
 _log = logging.getLogger(__name__)
 
@@ -46,7 +48,8 @@ class StreetServer:
     """Serves pictures as five services at once, told apart by their paths.
 
     Google Map Tiles under /v1, the Street View Static API under /maps/api/streetview, Panoramax
-    under /api, Mapillary at /images and /ID, and Poly Haven at /assets, /info and /files.
+    under /api, Mapillary at /images and /ID, and Poly Haven at /assets, /info and /files. At
+    /look-alike it tells, as JSON, how many requests came and which faults they met.
 
     Args:
         pictures: What to serve.
@@ -74,6 +77,7 @@ class StreetServer:
         self._troubles = TroubleSchedule(self._faults)
         self._requests: list[Request] = []
         self._violations: list[str] = []
+        self._met: Counter[str] = Counter()
         self._lock = threading.Lock()
         self._listeners = [_listen("api", self._answer, port), _listen("storage", self._answer, 0)]
         self.url, self.storage_url = (
@@ -114,19 +118,39 @@ class StreetServer:
         with self._lock:
             return list(self._violations)
 
+    @property
+    def faults_met(self) -> dict[str, int]:
+        """How often each kind of passing fault was met so far."""
+        with self._lock:
+            return dict(self._met)
+
     def set_faults(self, faults: Faults) -> None:
         """Do these things wrong from now on."""
         with self._lock:
             self._faults = faults
             self._troubles = TroubleSchedule(faults)
 
+    def _report(self) -> dict[str, Any]:
+        asked = self.requests
+        return {
+            "requests": len(asked),
+            "faults_met": self.faults_met,
+            "violations": self.violations,
+        }
+
     def _answer(self, request: Request) -> Reply:
         with self._lock:
-            self._requests.append(request)
+            if request.path != REPORT_PATH:
+                self._requests.append(request)
             if request.port == "storage" and "authorization" in request.headers:
                 self._violations.append(f"Authorization was sent to the storage: {request.path}")
             faults, troubles = self._faults, self._troubles
+        if request.path == REPORT_PATH:
+            return json_reply(self._report())
         trouble = troubles.next_for(request)
+        if trouble is not None:
+            with self._lock:
+                self._met[trouble.kind] += 1
         reply = _with_etag(self._route(request, faults), request)
         return reply if trouble is None else spoil(reply, trouble, request)
 

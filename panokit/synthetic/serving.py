@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from panokit.synthetic.embedded import embedded_city
+from panokit.synthetic.fault_language import parse_faults
 from panokit.synthetic.faults import Faults
 from panokit.synthetic.folder import pictures_in
 from panokit.synthetic.pictures import ServedPicture
@@ -49,13 +50,20 @@ def serve(
 
     Args:
         images: The folder; see `folder.pictures_in`. None serves the embedded city.
-        settings: Port and key.
-        faults: What to do wrong.
+        settings: Port, credentials, and faults in words.
+        faults: What to do wrong, in place of the settings' words.
 
     Raises:
-        UsageError: If there is no picture in the folder, or the port is taken.
+        UsageError: If there is no picture in the folder, the port is taken, or the faults are
+            not understood.
     """
     settings = settings or ServeSettings()
     pictures, invented = (list(embedded_city()), []) if images is None else pictures_in(images)
-    server = StreetServer(pictures, faults=faults, key=settings.key, port=settings.port)
+    server = StreetServer(
+        pictures,
+        faults=faults or parse_faults(settings.faults),
+        key=settings.key,
+        token=settings.token,
+        port=settings.port,
+    )
     return Serving(server=server, pictures=pictures, invented=invented)

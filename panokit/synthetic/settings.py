@@ -39,3 +39,7 @@ class ServeSettings(Settings):
     """To listen on, at 127.0.0.1; 0 takes a free one."""
     key: str = "panokit"
     """The Google API key that the look-alike accepts."""
+    token: str = "MLY|panokit"
+    """The Mapillary token that it accepts."""
+    faults: str = ""
+    """What to do wrong: "429 10% delay=1, 500 5%, slow 1%, session-uses=300, seed=7"."""
