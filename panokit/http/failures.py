@@ -53,6 +53,11 @@ _REASONS = {400: "bad-request", 404: "not-found", 410: "gone"}
 # Google's machine-readable reasons (google.rpc.ErrorInfo, and the older errors[].reason).
 _GOOGLE_AUTH_REASONS = {"API_KEY_INVALID", "SERVICE_DISABLED", "keyInvalid", "accessNotConfigured"}
 _GOOGLE_QUOTA_REASONS = {"RATE_LIMIT_EXCEEDED", "rateLimitExceeded", "dailyLimitExceeded"}
+# Mapillary numbers its errors, and sends them with statuses that do not fit: 500 for a bad
+# token or for a box that holds too much, 400 for an unknown id.
+_MAPILLARY_AUTH, _MAPILLARY_QUOTA = (190,), (4, 17, 613)
+_MAPILLARY_TOO_MUCH = 1
+_MAPILLARY_UNKNOWN = (100, 33)
 
 
 def failure_of_reply(
@@ -72,11 +77,14 @@ def failure_of_reply(
     if 200 <= status < 300:
         return None
     error = _error_object(body)
-    reasons = _google_reasons(error)
-    if status == 429 or reasons & _GOOGLE_QUOTA_REASONS:
+    reasons, code = _google_reasons(error), error.get("code")
+    reason = _reason(status, error)
+    if status == 429 or reasons & _GOOGLE_QUOTA_REASONS or code in _MAPILLARY_QUOTA:
         kind = FailureKind.QUOTA
-    elif status in (401, 403) or reasons & _GOOGLE_AUTH_REASONS:
+    elif status in (401, 403) or reasons & _GOOGLE_AUTH_REASONS or code in _MAPILLARY_AUTH:
         kind = FailureKind.AUTH
+    elif reason in ("too-much", "not-found"):
+        kind = FailureKind.PERMANENT
     elif status in _TRANSIENT_STATUSES:
         kind = FailureKind.TRANSIENT
     else:
@@ -86,7 +94,7 @@ def failure_of_reply(
     return Failure(
         kind=kind,
         message=f"HTTP {status}" + (f": {said[:200]}" if said else ""),
-        reason=_REASONS.get(status, f"http-{status}"),
+        reason=reason,
         status=status,
         delay_s=_google_delay_s(error) if delay_s is None else delay_s,
     )
@@ -155,6 +163,15 @@ def _error_object(body: bytes) -> Mapping[str, Any]:
         return {}
     error = reply.get("error", reply)
     return error if isinstance(error, dict) else {"message": error}
+
+
+def _reason(status: int, error: Mapping[str, Any]) -> str:
+    """A short code for a failed request: what the server calls it, or else the status."""
+    if (error.get("code"), error.get("error_subcode")) == _MAPILLARY_UNKNOWN:
+        return "not-found"
+    if error.get("code") == _MAPILLARY_TOO_MUCH and "reduce" in str(error.get("message")):
+        return "too-much"
+    return _REASONS.get(status, f"http-{status}")
 
 
 def _google_reasons(error: Mapping[str, Any]) -> set[str]:

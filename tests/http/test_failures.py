@@ -29,12 +29,47 @@ def test_good_replies_are_no_failures():
         (404, "not json", FailureKind.PERMANENT),
         (502, "<html>", FailureKind.TRANSIENT),
         (408, "[]", FailureKind.TRANSIENT),
+        # Mapillary's statuses do not fit its errors.
+        (
+            500,
+            '{"error": {"message": "Invalid OAuth 2.0 Access Token", "code": 190}}',
+            FailureKind.AUTH,
+        ),
+        (
+            400,
+            '{"error": {"message": "Error validating application", "code": 190}}',
+            FailureKind.AUTH,
+        ),
+        (
+            400,
+            '{"error": {"message": "Application request limit reached", "code": 4}}',
+            FailureKind.QUOTA,
+        ),
+        (
+            500,
+            '{"error": {"message": "Service temporarily unavailable", "code": 2}}',
+            FailureKind.TRANSIENT,
+        ),
+        (500, '{"error": {"message": "An unknown error", "code": [1]}}', FailureKind.TRANSIENT),
     ],
 )
 def test_the_class_of_a_failure(status, body, kind):
     failure = judged(status, body)
     assert failure.kind is kind
     assert failure.status == status
+
+
+def test_a_box_that_holds_too_much_is_not_asked_for_again():
+    body = '{"error": {"code": 1, "message": "Please reduce the amount of data"}}'
+    failure = judged(500, body)
+    assert (failure.kind, failure.reason) == (FailureKind.PERMANENT, "too-much")
+
+
+def test_mapillary_s_unknown_ids_are_not_found_though_their_status_is_400():
+    body = '{"error": {"code": 100, "error_subcode": 33, "message": "does not exist"}}'
+    failure = judged(400, body)
+    assert (failure.kind, failure.reason) == (FailureKind.PERMANENT, "not-found")
+    assert judged(400, '{"error": {"code": 100, "message": "bbox"}}').reason == "bad-request"
 
 
 def test_what_the_server_said_is_told():
