@@ -13,6 +13,7 @@
     +-- NetworkError              7   the network or a server, after all retries
     |   +-- AuthError             8   a key that is missing or refused
     |   +-- QuotaError            9   a quota or budget that is used up
+    |   +-- OutageError           7   a whole service that is down or refuses to work
     +-- LicenseError             10   terms that forbid what was asked
     +-- RejectionsError           1   more items were rejected than the run allows
 
@@ -115,6 +116,10 @@ class QuotaError(NetworkError):
     """A quota or a budget is used up; a later run goes on from here."""
 
     exit_code = 9
+
+
+class OutageError(NetworkError):
+    """A whole service is down, or answers with web pages: asking for something else is vain."""
 
 
 class LicenseError(PanokitError):

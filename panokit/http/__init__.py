@@ -6,6 +6,7 @@ policy     timeouts, attempts, rates
 budget     how many requests and how much money may be spent
 transport  one exchange; the only module that imports `requests`
 failures   what went wrong, and whether asking again can help
+breaker    services that are down as a whole
 limiter    a rate per host, and pauses that servers ask for
 redact     credentials out of everything that is shown
 """

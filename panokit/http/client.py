@@ -8,14 +8,23 @@ import json
 import logging
 import random
 import threading
+import time
 from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
+from typing import Any
 from urllib.parse import urlsplit
 
 from panokit.errors import ItemError, UsageError
+from panokit.http.breaker import Breaker
 from panokit.http.budget import Budget
-from panokit.http.failures import Failure, FailureKind, error_of_failure, failure_of_reply
+from panokit.http.failures import (
+    WEB_PAGE,
+    Failure,
+    FailureKind,
+    error_of_failure,
+    failure_of_reply,
+)
 from panokit.http.limiter import RateLimiter
 from panokit.http.messages import Reply, Request, public_url
 from panokit.http.policy import Policy
@@ -27,6 +36,8 @@ USER_AGENT = "panokit (+https://pypi.org/project/panokit/)"
 _log = logging.getLogger("panokit.http")
 _URLLIB3_LOG = "urllib3.connectionpool"
 _ATTEMPTS_TO_MEET = 3
+_DELAYS_BELIEVED = 3
+_NOTABLE_PAUSE_S = 5.0
 _LOOPBACK = {"127.0.0.1", "localhost", "::1"}
 
 
@@ -52,6 +63,8 @@ class Client:
         self._limiter = RateLimiter(self.policy.rate_per_s, self.policy.burst)
         self._transport = Transport(self.policy, self._redactor, user_agent)
         self._random = random.Random(self.policy.seed)
+        self._breaker = Breaker(self.policy, time.monotonic)
+        self._quota_since_s: dict[str, float] = {}
         self._answered: set[str] = set()
         self._lock = threading.Lock()
         self._log_filter = RedactingFilter(self._redactor)
@@ -77,6 +90,16 @@ class Client:
         """The text without the credentials that this client has sent."""
         return self._redactor.redact(text)
 
+    def redact_json(self, value: Any) -> Any:
+        """A JSON value without them, for what servers say that is going to be kept."""
+        if isinstance(value, str):
+            return self._redactor.redact(value)
+        if isinstance(value, Mapping):
+            return {self.redact_json(name): self.redact_json(one) for name, one in value.items()}
+        if isinstance(value, list | tuple):
+            return [self.redact_json(one) for one in value]
+        return value
+
     def send(self, request: Request) -> Reply:
         """The good answer to a request, after as many attempts as it takes.
 
@@ -85,6 +108,7 @@ class Client:
                 never passed the request's check.
             AuthError: The key is missing or refused.
             QuotaError: The server's quota or our budget is used up.
+            OutageError: The whole service is down.
             NetworkError: No good answer after all attempts.
             UsageError: The address cannot be asked.
         """
@@ -92,10 +116,19 @@ class Client:
         attempt = 1
         while True:
             self._limiter.wait(host)
+            self._breaker.check(host)
             self.budget.spend(request.cost_usd)
+            started_s = time.monotonic()
             outcome = self._attempt(request)
             if isinstance(outcome, Reply):
+                self._breaker.succeeded(host)
+                self._quota_since_s.pop(host, None)
                 return outcome
+            pause_s = self._breaker.failed(host, outcome, started_s)
+            if pause_s is not None:
+                # The service failed, not this request: it keeps its attempts.
+                self._pause(host, pause_s, f"fails again and again ({outcome.message})")
+                continue
             if not self._may_retry(host, outcome, attempt):
                 break
             self._hold(host, outcome, attempt)
@@ -137,6 +170,9 @@ class Client:
                 return outcome
             outcome = failure
         outcome = replace(outcome, message=self.redact(outcome.message))
+        if outcome.kind is FailureKind.AUTH and outcome.status == 403 and not _has_key(request):
+            # Who sent no key cannot have had it refused: the thing itself is closed.
+            outcome = replace(outcome, kind=FailureKind.PERMANENT, reason="forbidden")
         _log.info("%s: %s", public_url(request.url), outcome.message)
         return outcome
 
@@ -145,24 +181,42 @@ class Client:
         if failure.reason == NO_CONNECTION and host not in self._answered:
             # Rather a wrong address or no network at all than a hiccup: say so soon.
             attempts = min(attempts, _ATTEMPTS_TO_MEET)
-        is_patient = (failure.delay_s or 0) <= self.policy.max_delay_s
-        return failure.is_worth_retrying and is_patient and attempt < attempts
+        if (failure.delay_s or 0) > self.policy.max_delay_s:
+            return False
+        if failure.kind is FailureKind.QUOTA and self._is_used_up(host):
+            return False
+        return failure.is_worth_retrying and attempt < attempts
+
+    def _is_used_up(self, host: str) -> bool:
+        """Whether the host has refused everything for longer than a minute's quota lasts."""
+        now_s = time.monotonic()
+        return now_s - self._quota_since_s.setdefault(host, now_s) > self.policy.quota_patience_s
 
     def _hold(self, host: str, failure: Failure, attempt: int) -> None:
         """Wait before the next attempt; a quota or a demanded delay holds every thread."""
-        if failure.delay_s is not None:
-            self._limiter.pause(host, failure.delay_s)
-            return
         # A per-minute quota wants more patience than a hiccup.
         is_quota = failure.kind is FailureKind.QUOTA
         first_s = self.policy.first_delay_s * (4 if is_quota else 1)
         with self._lock:
             jitter = self._random.uniform(0.75, 1.25)
         delay_s = min(first_s * 2.0 ** (attempt - 1) * jitter, self.policy.max_delay_s)
-        if is_quota:
-            self._limiter.pause(host, delay_s)
+        if failure.delay_s is not None:
+            # A server that names ever shorter delays than it means is not believed for ever.
+            delay_s = max(failure.delay_s, delay_s if attempt > _DELAYS_BELIEVED else 0.0)
+            self._pause(host, delay_s, "asks to wait")
+        elif is_quota:
+            self._pause(host, delay_s, "gets too many requests")
         else:
             self._limiter.sleep(delay_s)
+
+    def _pause(self, host: str, seconds: float, why: str) -> None:
+        level = logging.WARNING if seconds >= _NOTABLE_PAUSE_S else logging.INFO
+        _log.log(level, "%s %s: waiting for %.0f s", host, why, seconds)
+        self._limiter.pause(host, seconds)
+
+
+def _has_key(request: Request) -> bool:
+    return bool(request.authorization or any(request.secrets.values()))
 
 
 def _body_failure(request: Request, headers: Mapping[str, str], body: bytes) -> Failure | None:
@@ -172,9 +226,10 @@ def _body_failure(request: Request, headers: Mapping[str, str], body: bytes) -> 
         try:
             json.loads(body)
         except ValueError:
-            return _wrong_body(f"the answer is {content_type or 'of no type'}, not JSON")
+            return _wrong_body(f"the answer is {content_type or 'of no type'}, not JSON", body)
     elif content_type.startswith("text/") or content_type.endswith("json") or not body:
-        return _wrong_body(f"the answer is {content_type if body else 'empty'}, not a picture")
+        said = f"the answer is {content_type if body else 'empty'}, not a picture"
+        return _wrong_body(said, body)
     if request.check is None:
         return None
     try:
@@ -189,5 +244,7 @@ def _body_failure(request: Request, headers: Mapping[str, str], body: bytes) -> 
     return None
 
 
-def _wrong_body(message: str) -> Failure:
-    return Failure(kind=FailureKind.TRANSIENT, message=message, reason="wrong-body")
+def _wrong_body(message: str, body: bytes) -> Failure:
+    is_page = body[:256].lstrip().lower().startswith((b"<!doctype html", b"<html"))
+    reason = WEB_PAGE if is_page else "wrong-body"
+    return Failure(kind=FailureKind.TRANSIENT, message=message, reason=reason)

@@ -48,11 +48,13 @@ class Failure:
         return self.kind in (FailureKind.TRANSIENT, FailureKind.QUOTA)
 
 
+WEB_PAGE = "web-page"
 _TRANSIENT_STATUSES = {408, 425, 500, 502, 503, 504}
 _REASONS = {400: "bad-request", 404: "not-found", 410: "gone"}
 # Google's machine-readable reasons (google.rpc.ErrorInfo, and the older errors[].reason).
 _GOOGLE_AUTH_REASONS = {"API_KEY_INVALID", "SERVICE_DISABLED", "keyInvalid", "accessNotConfigured"}
 _GOOGLE_QUOTA_REASONS = {"RATE_LIMIT_EXCEEDED", "rateLimitExceeded", "dailyLimitExceeded"}
+_PER_DAY = re.compile(r"(?i)per ?day|daily")
 # Mapillary numbers its errors, and sends them with statuses that do not fit: 500 for a bad
 # token or for a box that holds too much, 400 for an unknown id.
 _MAPILLARY_AUTH, _MAPILLARY_QUOTA = (190,), (4, 17, 613)
@@ -90,14 +92,29 @@ def failure_of_reply(
     else:
         kind = FailureKind.PERMANENT
     said = str(error.get("message") or "")
-    delay_s = retry_after_s(headers, now)
     return Failure(
         kind=kind,
         message=f"HTTP {status}" + (f": {said[:200]}" if said else ""),
         reason=reason,
         status=status,
-        delay_s=_google_delay_s(error) if delay_s is None else delay_s,
+        delay_s=_delay_s(kind, said, error, headers, now),
     )
+
+
+def _delay_s(
+    kind: FailureKind,
+    said: str,
+    error: Mapping[str, Any],
+    headers: Mapping[str, str],
+    now: datetime,
+) -> float | None:
+    """How long the server asks to wait: by its header, its body, or because a day is used up."""
+    asked_s = retry_after_s(headers, now)
+    if asked_s is None:
+        asked_s = _google_delay_s(error)
+    if asked_s is None and kind is FailureKind.QUOTA and _PER_DAY.search(said):
+        return float("inf")
+    return asked_s
 
 
 def retry_after_s(headers: Mapping[str, str], now: datetime) -> float | None:

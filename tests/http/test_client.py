@@ -7,7 +7,14 @@ from email.utils import format_datetime
 
 import pytest
 
-from panokit.errors import AuthError, ItemError, NetworkError, QuotaError, UsageError
+from panokit.errors import (
+    AuthError,
+    ItemError,
+    NetworkError,
+    OutageError,
+    QuotaError,
+    UsageError,
+)
 from panokit.http import Budget, Client, Policy, Request
 from tests.http.conftest import Answer
 
@@ -110,7 +117,7 @@ def test_lasting_troubles_end_in_the_error_of_their_class(server, quick):
         (Answer(status=410), ItemError, "gone"),
         (Answer(status=400, body=b'{"message": "bad bbox"}'), ItemError, "bad-request"),
         (Answer(status=401), AuthError, None),
-        (Answer(status=403), AuthError, None),
+        (Answer(status=403), ItemError, "forbidden"),
         (
             Answer(
                 status=400,
@@ -128,6 +135,13 @@ def test_verdicts_are_not_retried(server, quick, answer, error, reason):
         ask(server, quick)
     assert getattr(caught.value, "reason", None) == reason
     assert len(server.paths) == 1
+
+
+def test_a_403_to_who_sent_a_key_is_about_the_key(server, quick):
+    server.answers = [Answer(status=403)]
+    for credentials in ({"secrets": {"key": "abc"}}, {"authorization": "OAuth abc"}):
+        with pytest.raises(AuthError, match="Check the API key"):
+            ask(server, quick, **credentials)
 
 
 def test_a_body_that_never_passes_its_check_raises_the_verdict_of_the_check(server, quick):
@@ -202,3 +216,79 @@ def test_a_stopped_client_wakes_up_and_asks_nobody(server, quick):
         with pytest.raises(NetworkError, match="stopped"):
             client.send(Request(url=server.url))
     assert server.paths == []
+
+
+PAGE = Answer(body=b"<!DOCTYPE html><html>Sign in</html>", content_type="text/html")
+
+
+def test_one_web_page_is_a_hiccup_and_several_are_an_outage(server, quick):
+    server.answers = [PAGE, GOOD]
+    ask(server, quick)
+    server.answers = [PAGE]
+    impatient = replace(quick, pages_in_a_row=3, outage_pauses_s=(0.2, 0.3), attempts=50)
+    start_s = time.monotonic()
+    with pytest.raises(OutageError, match="in a browser"):
+        ask(server, impatient)
+    assert time.monotonic() - start_s >= 0.5
+    assert len(server.paths) == 2 + 3 * 3
+
+
+def test_an_outage_is_waited_for_and_its_attempts_do_not_count(server, quick):
+    server.answers = [*[Answer(status=503)] * 7, GOOD]
+    patient = replace(quick, failures_in_a_row=3, outage_pauses_s=(0.05,) * 10, attempts=4)
+    assert ask(server, patient).json() == {"ok": True}
+    assert len(server.paths) == 8
+
+
+def test_who_is_given_up_is_asked_no_more(server, quick):
+    server.answers = [Answer(status=500)]
+    policy = replace(quick, failures_in_a_row=2, outage_pauses_s=())
+    with Client(policy) as client:
+        for _ in range(3):
+            with pytest.raises(OutageError, match="run again later"):
+                client.send(Request(url=server.url))
+    assert len(server.paths) == 2
+
+
+def test_a_days_quota_ends_the_run_at_once(server, quick):
+    body = GOOGLE_429.replace(b"Quota exceeded.", b"Quota exceeded for tiles per day.")
+    server.answers = [Answer(status=429, body=body.replace(b"retryDelay", b"other")), GOOD]
+    with pytest.raises(QuotaError, match="per day"):
+        ask(server, quick)
+    assert len(server.paths) == 1
+
+
+def test_too_many_requests_for_minutes_are_a_quota_that_is_used_up(server, quick):
+    server.answers = [Answer(status=429, headers={"Retry-After": "1"})]
+    with pytest.raises(QuotaError):
+        ask(server, replace(quick, quota_patience_s=1.5, attempts=50))
+    assert len(server.paths) == 3
+
+
+def test_a_delay_of_nothing_is_not_believed_for_ever(server, quick):
+    server.answers = [Answer(status=429, headers={"Retry-After": "0"})]
+    start_s = time.monotonic()
+    with pytest.raises(QuotaError):
+        ask(server, replace(quick, first_delay_s=0.01, attempts=6))
+    # Three at once, then two waits of at least 0.01 x 4 x 2^3 x 0.75 and twice that.
+    assert time.monotonic() - start_s >= 0.7
+
+
+def test_long_waits_are_told(server, quick, caplog):
+    with Client(quick) as client:
+        client._limiter.pause = lambda *_: None
+        client._pause("a.example", 41.0, "asks to wait")
+        client._pause("a.example", 0.2, "asks to wait")
+    (told,) = [record for record in caplog.records if record.levelname == "WARNING"]
+    assert told.getMessage() == "a.example asks to wait: waiting for 41 s"
+
+
+def test_what_servers_say_is_kept_without_the_key(server, quick):
+    server.answers = [GOOD]
+    with Client(quick) as client:
+        client.send(Request(url=server.url, secrets={"key": "a+secret"}))
+        echoed = {"link": ["https://a.example/?key=a%2Bsecret", 1], "a+secret": None}
+        assert client.redact_json(echoed) == {
+            "link": ["https://a.example/?key=***", 1],
+            "***": None,
+        }
