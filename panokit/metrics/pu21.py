@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.metrics.similarity import SsimSettings, ssim
 from panokit.sphere import row_solid_angles
 
 CLIP_LEVEL_CD_M2 = 100.0
@@ -34,6 +35,12 @@ _XYZ_FROM_RGB = np.array(
      [0.0193339, 0.1191920, 0.9503041]]
 )  # fmt: skip
 _RGB_FROM_XYZ = np.linalg.inv(_XYZ_FROM_RGB)
+
+# The weights that the published PU21 code takes luminance by.
+_LUMINANCE = np.array([0.212656, 0.715158, 0.072186])
+_SSIM = SsimSettings(
+    window_px=11, sigma_px=1.5, sample_covariance=False, data_range=_PEAK, spherical=True
+)
 
 Array = NDArray[np.floating[Any]]
 
@@ -55,11 +62,32 @@ def pu21_psnr(estimate: Array, truth: Array) -> float:
     return _psnr(estimate * CLIP_LEVEL_CD_M2, truth * CLIP_LEVEL_CD_M2)
 
 
+def pu21_psnr_y(estimate: Array, truth: Array) -> float:
+    """As `pu21_psnr`, of luminance alone: PSNRY of the published code."""
+    guess, true = (_luminance_cd_m2(radiance)[..., None] for radiance in (estimate, truth))
+    return _psnr(guess, true)
+
+
+def pu21_ssim(estimate: Array, truth: Array) -> float:
+    """SSIM of PU21-encoded luminance, on the sphere, with the published range of 256.
+
+    Gaussian windows of 1.5 px go on across the seam and the poles (the published code takes the
+    picture as flat). Hanji et al. advise against it for single-image HDR: it ranks methods
+    unlike people do. In units of the clip level, (H, W, 3).
+    """
+    guess, true = (pu21_encode(_luminance_cd_m2(radiance)) for radiance in (estimate, truth))
+    return ssim(guess[..., None], true[..., None], _SSIM)
+
+
 def pu21_crf_psnr(estimate: Array, truth: Array) -> float:
     """PU21-PSNR in dB after the tone and color correction of Hanji et al. 2022."""
     guess = np.asarray(estimate, np.float64) * CLIP_LEVEL_CD_M2
     true = np.asarray(truth, np.float64) * CLIP_LEVEL_CD_M2
     return _psnr(_tone_corrected(guess, true), true)
+
+
+def _luminance_cd_m2(radiance: Array) -> NDArray[np.float64]:
+    return np.asarray(np.asarray(radiance, np.float64) @ _LUMINANCE * CLIP_LEVEL_CD_M2)
 
 
 def _psnr(estimate: Array, truth: Array) -> float:

@@ -26,14 +26,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, uniform_filter
 
+from panokit.color import srgb_encode
 from panokit.errors import ImageError, UsageError
-from panokit.metrics.pairs import check_same_shape
+from panokit.metrics.pairs import radiance_pair
 from panokit.sphere.sampling import pad_sphere
 from panokit.sphere.solid_angle import row_solid_angles
 
 Preset = Literal["thesis", "wang", "sphere"]
+Encoding = Literal["linear", "srgb", "log"]
 
 _K1, _K2 = 0.01, 0.03
+_LOG_PEAK = 1e4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +76,7 @@ def ssim(
     """The mean SSIM over pixels and channels; 1 is equal.
 
     Args:
-        estimate: (H, W, 3) floating point, encoded as the preset wants it.
+        estimate: (H, W, C) floating point, encoded as the preset wants it.
         truth: As `estimate`.
         preset: A name, or settings of your own.
 
@@ -100,17 +103,58 @@ def dssim(
     return (1 - ssim(estimate, truth, preset)) / 2
 
 
+def dssim_of_maps(
+    estimate: NDArray[np.floating[Any]],
+    truth: NDArray[np.floating[Any]],
+    *,
+    preset: Preset,
+    encoding: Encoding,
+) -> float:
+    """`dssim` of two maps of linear radiance in units of the clip level, encoded first.
+
+    Args:
+        estimate: (H, W, 3), linear.
+        truth: (H, W, 3), linear.
+        preset: Of the SSIM.
+        encoding: See `encode`.
+    """
+    guess, true = radiance_pair(estimate, truth)
+    return dssim(encode(guess, encoding), encode(true, encoding), preset)
+
+
+def encode(radiance: NDArray[np.floating[Any]], encoding: Encoding) -> NDArray[np.floating[Any]]:
+    """Radiance in units of the clip level as values to compare.
+
+    "linear" is as it is; "srgb" is clipped at 1 and sRGB-encoded; "log" is
+    log(1 + L) / log(1 + 10,000), the log target of network training scaled to a fixed peak.
+
+    Raises:
+        UsageError: If the encoding is not known.
+    """
+    if encoding == "linear":
+        return radiance
+    if encoding == "srgb":
+        return srgb_encode(radiance)
+    if encoding == "log":
+        return np.asarray(np.log1p(np.maximum(radiance, 0)) / np.log1p(_LOG_PEAK))
+    raise UsageError(f"The encoding is 'linear', 'srgb' or 'log', not {encoding!r}.")
+
+
 def ssim_map(
     estimate: NDArray[np.floating[Any]],
     truth: NDArray[np.floating[Any]],
     preset: Preset | SsimSettings,
 ) -> NDArray[np.float64]:
-    """The SSIM of the window round each pixel and channel, (H, W, 3) float64.
+    """The SSIM of the window round each pixel and channel, (H, W, C) float64.
 
     Off the sphere the picture is mirrored at its border; `ssim` leaves that border out.
     """
     settings = _settings(preset)
-    check_same_shape(estimate, truth)
+    if np.shape(estimate) != np.shape(truth) or np.ndim(truth) != 3:
+        raise UsageError(
+            f"Pictures to compare are both (H, W, C), not {np.shape(estimate)} and "
+            f"{np.shape(truth)}."
+        )
     _check_values(np.asarray(estimate), settings)
     _check_values(np.asarray(truth), settings)
     x, y = np.asarray(estimate, np.float64), np.asarray(truth, np.float64)

@@ -35,7 +35,9 @@ What the "compat" variant keeps, because the published figures contain it:
 Not to be mended here, but to be known: the scripts do not turn the map to the camera (Blender
 shows u = 0.75 in the middle of the mirror sphere); Cycles runs with 5 samples and a denoiser, so
 scores depend on its version; sockets renamed in Blender 4.0 stop the scripts there; and the
-"diffuse" sphere is a glossy plastic (roughness 0.364, specular 0.5), not a Lambertian one.
+"diffuse" sphere is a glossy plastic (roughness 0.364, specular 0.5), not a Lambertian one. A
+helper of the repository that turns RGB to intensity weighs red twice and blue not at all; no
+score goes through it.
 """
 
 from dataclasses import asdict, dataclass
