@@ -20,7 +20,7 @@ from panokit.sphere import (
     light_vector,
     pixel_solid_angles,
 )
-from panokit.sphere.sampling import pad_sphere
+from panokit.sphere.extension import pad_sphere
 
 Radiance = NDArray[np.floating[Any]]
 
