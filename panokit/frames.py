@@ -108,6 +108,13 @@ class Rotation:
         twice_axis = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
         return float(np.arctan2(np.linalg.norm(twice_axis), np.trace(m) - 1))
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Rotation) and np.array_equal(self.matrix, other.matrix)
+
+    def __hash__(self) -> int:
+        # Adding 0 makes -0 and 0, which are equal, hash alike.
+        return hash((self.matrix + 0.0).tobytes())
+
     def __matmul__(self, other: "Rotation") -> "Rotation":
         return Rotation(self.matrix @ other.matrix)
 

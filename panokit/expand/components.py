@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from panokit.color import luminance
 from panokit.expand.reduce import ReducedPanorama
 from panokit.sphere import label_regions, row_solid_angles
-from panokit.sphere.sampling import pad_sphere
+from panokit.sphere.extension import pad_sphere
 
 # Only the largest components are described and scaled one by one.
 MOST_COMPONENTS = 12

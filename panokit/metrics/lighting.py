@@ -18,7 +18,7 @@ from panokit.sphere import (
     light_vector,
     pixel_solid_angles,
 )
-from panokit.sphere.sampling import pad_sphere
+from panokit.sphere.extension import pad_sphere
 
 SIX_AXES = np.array(
     [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], np.float64

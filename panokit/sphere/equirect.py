@@ -4,12 +4,48 @@ Pixel edges, not centers, lie on the borders: pixel column i has its center at
 u = (i + 0.5) / W. Row 0 is the zenith, u = 0.5 looks along -Z, azimuth grows to the right.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from panokit.errors import UsageError
+from panokit.sphere.projection import Coordinates, Mask
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Equirectangular:
+    """The sphere unrolled: columns are azimuths, rows are elevations.
+
+    Attributes:
+        aspect: Width over height: 2, or 1 for the anamorphic 64x64 maps that networks
+            predict. At any other the pixels are stretched, the directions right.
+    """
+
+    aspect: float = 2.0
+
+    def directions(
+        self, column: Coordinates, row: Coordinates, width_px: int, height_px: int
+    ) -> tuple[Coordinates, Mask]:
+        """See `Projection.directions`; columns wrap, beyond a pole lies the opposite azimuth."""
+        azimuth = ((column + 0.5) / width_px - 0.5) * (2 * np.pi)
+        elevation = (0.5 - (row + 0.5) / height_px) * np.pi
+        horizontal = np.cos(elevation)
+        parts = (horizontal * np.sin(azimuth), np.sin(elevation), -horizontal * np.cos(azimuth))
+        directions = np.stack(np.broadcast_arrays(*parts), axis=-1)
+        return directions, np.ones(directions.shape[:-1], bool)
+
+    def pixel(
+        self, directions: Coordinates, width_px: int, height_px: int
+    ) -> tuple[Coordinates, Coordinates, Mask]:
+        """See `Projection.pixel`; every direction is shown."""
+        column, row = equirect_pixel(directions, width_px, height_px)
+        return column, row, np.ones(np.shape(column), bool)
+
+    def angle_per_pixel(self, width_px: int, height_px: int) -> float:
+        """See `Projection.angle_per_pixel`; at the horizon, along the finer side."""
+        return float(min(2 * np.pi / width_px, np.pi / height_px))
 
 
 def equirect_directions(

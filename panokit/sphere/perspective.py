@@ -1,39 +1,81 @@
 """Pinhole views: what a camera at the center of the sphere sees."""
 
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from panokit.errors import UsageError
 from panokit.frames import Rotation
-from panokit.sphere.sampling import sample
+from panokit.sphere.projection import Coordinates, Mask, centered, pixel_grid, uncentered, within
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Perspective:
+    """A pinhole camera at the center of the sphere, with square pixels.
+
+    Attributes:
+        fov_deg: From the left edge to the right edge of the picture, more than 0 and less
+            than 180.
+        sphere_from_camera: The camera's pose; without it the camera looks along -Z.
+        aspect: Width over height.
+    """
+
+    fov_deg: float
+    sphere_from_camera: Rotation = field(default_factory=Rotation.identity)
+    aspect: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.fov_deg < 180:
+            raise UsageError(
+                f"A pinhole view is more than 0 and less than 180 wide, not {self.fov_deg}."
+            )
+
+    def directions(
+        self, column: Coordinates, row: Coordinates, width_px: int, height_px: int
+    ) -> tuple[Coordinates, Mask]:
+        """See `Projection.directions`; beyond its edges the image plane goes on."""
+        half = np.tan(np.deg2rad(self.fov_deg) / 2)
+        x, y = centered(column, row, width_px, height_px)
+        parts = (x * half, y * (half * height_px / width_px), np.array(-1.0))
+        directions = np.stack(np.broadcast_arrays(*parts), axis=-1)
+        directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
+        inside = within(column, row, width_px, height_px)
+        return self.sphere_from_camera.apply(directions), inside
+
+    def pixel(
+        self, directions: Coordinates, width_px: int, height_px: int
+    ) -> tuple[Coordinates, Coordinates, Mask]:
+        """See `Projection.pixel`; what is behind the camera is not shown."""
+        local = self.sphere_from_camera.inverse.apply(directions)
+        half = np.tan(np.deg2rad(self.fov_deg) / 2)
+        depth = -local[..., 2]
+        ahead = depth > 1e-6
+        scale = np.where(ahead, 1 / np.where(ahead, depth * half, 1), 0)
+        column, row = uncentered(
+            local[..., 0] * scale, local[..., 1] * scale * width_px / height_px,
+            width_px, height_px,
+        )  # fmt: skip
+        return column, row, ahead & within(column, row, width_px, height_px)
+
+    def angle_per_pixel(self, width_px: int, height_px: int) -> float:
+        """See `Projection.angle_per_pixel`; in the corners."""
+        half = np.tan(np.deg2rad(self.fov_deg) / 2)
+        corner = half**2 * (1 + (height_px / width_px) ** 2)
+        return float(2 * half / width_px / (1 + corner))
 
 
 def perspective_directions(
     width_px: int, height_px: int, fov_deg: float, sphere_from_camera: Rotation | None = None
 ) -> NDArray[np.float32]:
-    """The unit direction behind each pixel of a pinhole picture.
-
-    Args:
-        width_px: Of the picture.
-        height_px: Of the picture; pixels are square.
-        fov_deg: From the left edge to the right edge, more than 0 and less than 180.
-        sphere_from_camera: The camera's pose; without it the camera looks along -Z.
+    """The unit direction behind each pixel of a pinhole picture; arguments as of `Perspective`.
 
     Returns:
         (height_px, width_px, 3) float32, in the sphere's frame.
     """
-    if not 0 < fov_deg < 180:
-        raise UsageError(f"A pinhole view is more than 0 and less than 180 wide, not {fov_deg}.")
-    half = np.tan(np.deg2rad(fov_deg) / 2)
-    x = ((np.arange(width_px) + 0.5) / width_px * 2 - 1) * half
-    y = (1 - (np.arange(height_px) + 0.5) / height_px * 2) * half * height_px / width_px
-    directions = np.empty((height_px, width_px, 3))
-    directions[..., 0], directions[..., 1], directions[..., 2] = x[None, :], y[:, None], -1.0
-    directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
-    turned = directions if sphere_from_camera is None else sphere_from_camera.apply(directions)
-    return turned.astype(np.float32)
+    pose = sphere_from_camera or Rotation.identity()
+    view = Perspective(fov_deg=fov_deg, sphere_from_camera=pose)
+    return pixel_grid(view, width_px, height_px)[0]
 
 
 def perspective_pixel(
@@ -48,30 +90,7 @@ def perspective_pixel(
     Returns:
         Column and row with pixel centers at integers, and whether they are in the picture.
     """
-    if sphere_from_camera is not None:
-        directions = sphere_from_camera.inverse.apply(directions)
-    half = np.tan(np.deg2rad(fov_deg) / 2)
-    depth = -directions[..., 2]
-    ahead = depth > 1e-6
-    scale = np.where(ahead, 1 / np.where(ahead, depth * half, 1), 0)
-    column = (directions[..., 0] * scale + 1) / 2 * width_px - 0.5
-    row = (1 - directions[..., 1] * scale * width_px / height_px) / 2 * height_px - 0.5
-    inside = (
-        ahead
-        & (column >= -0.5)
-        & (column <= width_px - 0.5)
-        & (row >= -0.5)
-        & (row <= height_px - 0.5)
+    pose = sphere_from_camera or Rotation.identity()
+    return Perspective(fov_deg=fov_deg, sphere_from_camera=pose).pixel(
+        directions, width_px, height_px
     )
-    return column, row, inside
-
-
-def perspective_view(
-    picture: NDArray[Any],
-    width_px: int,
-    height_px: int,
-    fov_deg: float,
-    sphere_from_camera: Rotation | None = None,
-) -> NDArray[Any]:
-    """The picture, (H, W) or (H, W, C) uint8 or float32, as a pinhole camera sees it."""
-    return sample(picture, perspective_directions(width_px, height_px, fov_deg, sphere_from_camera))

@@ -15,6 +15,7 @@ from panokit.errors import UsageError
 from panokit.frames import Frame, Rotation
 from panokit.sphere.equirect import equirect_directions, equirect_pixel
 from panokit.sphere.irradiance import energy
+from panokit.sphere.pixel_map import Interpolation
 from panokit.sphere.sampling import rotate_pixels
 from panokit.sphere.solid_angle import row_overlap_weights, row_solid_angles
 
@@ -24,25 +25,49 @@ def resize(envmap: EnvironmentMap, width_px: int) -> EnvironmentMap:
     return envmap.with_changes(radiance=resize_radiance(envmap.radiance, width_px))
 
 
-def resize_radiance(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.float32]:
-    """Radiance (H, W, C) resampled to `width_px` x `width_px // 2`, energy kept.
+def resize_radiance(
+    radiance: NDArray[np.float32], width_px: int, height_px: int | None = None
+) -> NDArray[np.float32]:
+    """Radiance (H, W, C) resampled to `width_px` x `height_px`, energy kept.
 
     Smaller: each target pixel is the mean over the solid angle that it covers. Larger:
     linear interpolation, then each source pixel's block is scaled to the energy it had.
+
+    Args:
+        radiance: Equirectangular.
+        width_px: Even, at least 2.
+        height_px: Half the width if not given; another only to make a map smaller, such as
+            64x64 anamorphic from 1024x512.
+
+    Raises:
+        UsageError: If the new size is not possible.
     """
-    width = radiance.shape[1]
+    radiance = np.asarray(radiance, np.float32)
+    if radiance.ndim != 3 or 0 in radiance.shape:
+        raise UsageError(f"Radiance to resize is (H, W, C) with pixels, not {radiance.shape}.")
+    height, width = radiance.shape[:2]
     if width_px < 2 or width_px % 2:
         raise UsageError(f"The new width must be even and at least 2, not {width_px}.")
-    if width_px == width:
+    if height_px is None:
+        height_px = width_px // 2
+    if (width_px, height_px) == (width, height):
         return radiance
-    radiance = np.asarray(radiance, np.float32)
-    if width_px < width:
-        return _average_down(radiance, width_px)
+    if width_px <= width and 1 <= height_px <= height:
+        return _average_down(radiance, width_px, height_px)
+    if height_px != width_px // 2 or width != 2 * height:
+        raise UsageError(
+            f"A map of {width}x{height} cannot become {width_px}x{height_px}: only maps twice as "
+            "wide as high are made larger."
+        )
     return _interpolate_up(radiance, width_px)
 
 
 def rotate(
-    envmap: EnvironmentMap, target_from_source: Rotation, *, frame: Frame | None = None
+    envmap: EnvironmentMap,
+    target_from_source: Rotation,
+    *,
+    frame: Frame | None = None,
+    interpolation: Interpolation = "linear",
 ) -> EnvironmentMap:
     """The map as it looks in a rotated frame, with the same energy; see `rotate_radiance`.
 
@@ -50,29 +75,40 @@ def rotate(
         envmap: The map.
         target_from_source: What was in direction d is in `target_from_source.apply(d)`.
         frame: What the target frame is; unchanged if not given.
+        interpolation: As of `rotate_radiance`.
     """
     return envmap.with_changes(
-        radiance=rotate_radiance(envmap.radiance, target_from_source),
+        radiance=rotate_radiance(envmap.radiance, target_from_source, interpolation=interpolation),
         frame=envmap.frame if frame is None else frame,
     )
 
 
 def rotate_radiance(
-    radiance: NDArray[np.float32], target_from_source: Rotation
+    radiance: NDArray[np.float32],
+    target_from_source: Rotation,
+    *,
+    interpolation: Interpolation = "linear",
 ) -> NDArray[np.float32]:
     """Radiance (H, W, C) as it looks in a rotated frame, energy kept per channel.
 
     Whole-pixel yaws are an exact roll. Otherwise the few brightest pixels are moved as
     parcels of energy, which is exact however small the source, and the smooth rest is
     interpolated.
+
+    Args:
+        radiance: Equirectangular, (H, W, C) with W == 2 H.
+        target_from_source: What was in direction d is in `target_from_source.apply(d)`.
+        interpolation: Of the smooth rest: "linear", or "spline" to keep fine detail sharp.
     """
     radiance = np.asarray(radiance, np.float32)
+    if radiance.ndim != 3 or 0 in radiance.shape:
+        raise UsageError(f"Radiance to rotate is (H, W, C) with pixels, not {radiance.shape}.")
     width = radiance.shape[1]
     shift = _whole_pixel_yaw(target_from_source, width)
     if shift is not None:
         return np.roll(radiance, shift, axis=1)
     smooth, excess = _split_bright(radiance)
-    rotated = rotate_pixels(smooth, target_from_source)
+    rotated = rotate_pixels(smooth, target_from_source, interpolation=interpolation)
     before, after = energy(smooth), energy(rotated)
     rotated *= np.divide(before, after, out=np.ones_like(before), where=after > 0).astype(
         np.float32
@@ -81,18 +117,26 @@ def rotate_radiance(
     return rotated
 
 
-def _average_down(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.float32]:
-    height, _, channels = radiance.shape
-    narrow = cv2.resize(radiance, (width_px, height), interpolation=cv2.INTER_AREA)
-    weights = row_overlap_weights(height, width_px // 2).astype(np.float32)
-    flat = narrow.reshape(height, width_px * channels)
-    if height % (width_px // 2):
-        return (weights @ flat).reshape(-1, width_px, channels)
-    # With a whole number of source rows in each target row the matrix is block diagonal.
-    block = height // (width_px // 2)
-    own = np.stack([weights[t, t * block : (t + 1) * block] for t in range(len(weights))])
-    averaged = np.einsum("tb,tbc->tc", own, flat.reshape(len(weights), block, -1), optimize=True)
-    return np.asarray(averaged.reshape(-1, width_px, channels), np.float32)
+def _average_down(
+    radiance: NDArray[np.float32], width_px: int, height_px: int
+) -> NDArray[np.float32]:
+    height, width, channels = radiance.shape
+    weights = row_overlap_weights(height, height_px).astype(np.float32)
+    if height % height_px:
+        narrow = cv2.resize(radiance, (width_px, height), interpolation=cv2.INTER_AREA)
+        rows = weights @ narrow.reshape(height, -1)
+        return np.asarray(rows.reshape(height_px, width_px, channels))
+    # With a whole number of source rows in each target row the matrix is block diagonal, and
+    # summing rows first reads the picture in the order of its memory.
+    block = height // height_px
+    own = np.stack([weights[t, t * block : (t + 1) * block] for t in range(height_px)])
+    rows = np.matmul(own[:, None], radiance.reshape(height_px, block, -1))
+    low = rows.reshape(height_px, width, channels)
+    return np.asarray(
+        cv2.resize(low, (width_px, height_px), interpolation=cv2.INTER_AREA).reshape(
+            height_px, width_px, channels
+        )
+    )
 
 
 def _interpolate_up(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.float32]:
@@ -116,7 +160,7 @@ def _interpolate_up(radiance: NDArray[np.float32], width_px: int) -> NDArray[np.
         gain = np.divide(before, after, out=np.ones_like(before), where=after > 0)
         return np.asarray(larger * gain, np.float32)
     factor = width_px // width
-    blocks = _average_down(larger, width)
+    blocks = _average_down(larger, width, height)
     correction = np.divide(radiance, blocks, out=np.ones_like(blocks), where=blocks > 0)
     spread = correction.repeat(factor, axis=0).repeat(factor, axis=1)
     return np.asarray(larger * spread, np.float32)

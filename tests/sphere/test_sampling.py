@@ -11,7 +11,7 @@ from panokit.sphere import (
     rotate_pixels,
     sample,
 )
-from panokit.sphere.sampling import pad_sphere
+from panokit.sphere.extension import pad_sphere
 
 
 def smooth(width):
@@ -57,7 +57,9 @@ def test_a_beacon_goes_where_the_rotation_says(dtype):
 def test_masks_turn_without_new_values():
     mask = np.zeros((32, 64), np.uint8)
     mask[:16] = 255
-    turned = rotate_pixels(mask, Rotation.from_heading_pitch_roll(0.3, 0.5), nearest=True)
+    turned = rotate_pixels(
+        mask, Rotation.from_heading_pitch_roll(0.3, 0.5), interpolation="nearest"
+    )
     assert set(np.unique(turned)) == {0, 255}
 
 
