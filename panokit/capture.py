@@ -218,6 +218,51 @@ class TileGrid:
         return cls(**{**record, "missing": missing})
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class View:
+    """One of several overlapping pictures of a capture, as a pinhole camera saw it.
+
+    Its pose is that of the camera in the world: level with north at heading 0. The center of
+    projection is the center of the picture, and pixels are square.
+
+    Attributes:
+        name: Of its file in the capture's folder.
+        heading_deg: Compass direction of its center.
+        pitch_deg: Of its center, positive looking up.
+        fov_deg: Angle between the left and the right edge.
+        width_px: Of the picture.
+        height_px: Of the picture.
+        roll_deg: Of the camera, positive leaning to its right.
+        masked_px: (left, top, right, bottom) of the rectangles that do not show the scene,
+            such as a logo; right and bottom are excluded.
+    """
+
+    name: str
+    heading_deg: float
+    pitch_deg: float
+    fov_deg: float
+    width_px: int
+    height_px: int
+    roll_deg: float = 0.0
+    masked_px: tuple[tuple[int, int, int, int], ...] = ()
+
+    @property
+    def world_from_view(self) -> Rotation:
+        """The pose: a direction in the view's camera frame becomes one in the world."""
+        angles = (self.heading_deg, self.pitch_deg, self.roll_deg)
+        return Rotation.from_heading_pitch_roll(*(float(np.deg2rad(a)) for a in angles))
+
+    def to_json(self) -> dict[str, Any]:
+        """A dictionary for `json.dump`."""
+        return {**asdict(self), "masked_px": [list(box) for box in self.masked_px]}
+
+    @classmethod
+    def from_json(cls, record: Mapping[str, Any]) -> "View":
+        """The view that `to_json` wrote."""
+        boxes = tuple(tuple(int(edge) for edge in box) for box in record.get("masked_px", ()))
+        return cls(**{**record, "masked_px": boxes})
+
+
 def local_capture(name: str, **known: Any) -> Capture:
     """A capture for a picture from the user's own disk, of which only the name is known."""
     terms = License(

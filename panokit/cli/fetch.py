@@ -1,13 +1,16 @@
 """`panokit fetch`: street panoramas into a run folder."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from panokit.cli.options import Json
 from panokit.console import Console, size_text
 from panokit.fetch.settings import FetchSettings
+
+if TYPE_CHECKING:
+    from panokit.fetch import FetchPlan
 
 
 def fetch(
@@ -37,13 +40,9 @@ def fetch(
     rejected = sum(one.reason != "no-imagery" for one in result.rejections)
     nowhere = " or ".join(place for place, (found, _) in result.short.items() if not found)
     if result.plan is not None:
-        plan = result.plan
-        console.result(
-            f"Would fetch {_many(plan.panoramas, 'panorama')}: {_many(plan.files, 'file')}, about "
-            f"{size_text(plan.bytes)}, ${plan.cost_usd:.2f}"
-        )
-        if plan.days_at_quota is not None and plan.days_at_quota > 1:
-            console.result(f"At the source's usual quota that takes {plan.days_at_quota:.1f} days")
+        console.result(f"Fetching from {settings.source} would take:")
+        for label, text in plan_rows(result.plan, result.requests):
+            console.result(f"  {label:15} {text}")
     else:
         console.result(
             f"fetch: {len(result.stored)} stored, {len(result.existing)} there already, "
@@ -70,5 +69,32 @@ def fetch(
     return 1 if result.rejections or result.short else 0
 
 
+def plan_rows(plan: "FetchPlan", searched: int) -> list[tuple[str, str]]:
+    """A plan for people: what, and how much of it.
+
+    Args:
+        plan: What fetching would take.
+        searched: Requests that finding it out took.
+    """
+    one_each = plan.files == plan.panoramas
+    rows = [("panoramas", f"{plan.panoramas:,}")]
+    rows += [] if one_each else [(f"{plan.unit}s", f"{plan.files:,}")]
+    rows += [("requests", f"{plan.files:,}, and {searched:,} already made to search")]
+    if plan.quota_share is not None:
+        days = _many(plan.days_at_quota or 0, "day")
+        rows += [
+            ("daily quota", f"{plan.quota_share:.1%} of the usual one"),
+            ("time at quota", days),
+        ]
+    rows += [("download", f"about {size_text(plan.bytes)}")]
+    if plan.cost_usd == 0:
+        return [*rows, ("cost", "nothing")]
+    cost = f"{plan.cost_usd:,.2f} USD by list price"
+    if plan.free_files:
+        rows += [("cost", f"{cost}; {plan.least_cost_usd:,.2f} USD if this month's")]
+        return [*rows, ("", f"{plan.free_files:,} free {plan.unit}s are still there")]
+    return [*rows, ("cost", cost)]
+
+
 def _many(count: int, thing: str) -> str:
-    return f"{count} {thing}{'' if count == 1 else 's'}"
+    return f"{count:,} {thing}{'' if count == 1 else 's'}"

@@ -23,7 +23,6 @@ class Folder:
 
     usd_per_file = 0.0
     may_store = True
-    files_per_day = None
 
     def __init__(self, settings: FetchSettings, client: Client) -> None:
         if settings.folder is None:

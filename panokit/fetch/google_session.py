@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from panokit.errors import AuthError, ItemError, NetworkError
+from panokit.errors import ItemError, NetworkError
 from panokit.http import Client, Reply, Request
 
 _MARGIN_S = 60.0
@@ -88,17 +88,3 @@ def parse_session(body: bytes, now_s: float) -> tuple[str, float]:
         raise NetworkError(
             "Google's answer to createSession has no session. Check the endpoint."
         ) from None
-
-
-def require_key(key: str | None) -> str:
-    """The API key, as the environment gave it.
-
-    Raises:
-        AuthError: If there is none.
-    """
-    if not key:
-        raise AuthError(
-            "The source google-tiles needs an API key of your own: enable the Map Tiles API in "
-            "the Google Cloud console and set the environment variable GOOGLE_MAPS_API_KEY."
-        )
-    return key

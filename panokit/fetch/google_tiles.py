@@ -7,52 +7,60 @@ license written to every record says so. Only the documented service is used.
 import json
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from datetime import UTC, datetime
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from panokit.capture import Capture, License, TileGrid, TimePrecision, wrap_degrees
-from panokit.errors import ImageError, ItemError, LicenseError, NetworkError, Rejection
+from panokit.capture import Capture, TileGrid, TimePrecision, wrap_degrees
+from panokit.errors import ImageError, ItemError, NetworkError, Rejection
 from panokit.fetch.geodesy import LatLon
-from panokit.fetch.google_session import GoogleSession, require_key
+from panokit.fetch.google_session import GoogleSession
+from panokit.fetch.google_terms import (
+    KEY_VARIABLE,
+    google_license,
+    map_page,
+    month_of_date,
+    require_key,
+    terms_accepted,
+)
 from panokit.fetch.jpeg import jpeg_size
 from panokit.fetch.places import Place
+from panokit.fetch.prices import price_of
 from panokit.fetch.provider import Found
 from panokit.fetch.settings import FetchSettings
+from panokit.fetch.terms import require_consent
+from panokit.fetch.where import ids_of
 from panokit.fetch.zoom import grid_at_zoom, zoom_for_width
 from panokit.http import Client, Request
 
 ENDPOINT = "https://tile.googleapis.com"
-KEY_VARIABLE = "GOOGLE_MAPS_API_KEY"
-TERMS_URL = "https://cloud.google.com/maps-platform/terms"
 MAX_LOCATIONS = 100
-_SEARCH_RADIUS_M = 50
+_RADII_M = (50.0, 200.0)  # the second for points that have nothing within the first
 _BYTES_PER_PIXEL = 0.15
 
 
 class GoogleTiles:
     """The Map Tiles API. Metadata is free; tiles and id searches count against the quota."""
 
-    files_per_day = 15_000
     may_store = True  # the terms were accepted, else there is no instance
 
     def __init__(self, settings: FetchSettings, client: Client) -> None:
-        require_terms(settings)
+        require_consent("google-tiles", settings.accept_terms)
         self._endpoint = settings.endpoint or ENDPOINT
         self._settings = settings
-        self._session = GoogleSession(
-            self._endpoint, require_key(os.environ.get(KEY_VARIABLE)), client
-        )
+        key = require_key(os.environ.get(KEY_VARIABLE), "Map Tiles API")
+        self._session = GoogleSession(self._endpoint, key, client)
         self._seen: set[str] = set()
-        self.usd_per_file = settings.usd_per_1000_tiles / 1000
+        self.usd_per_file = price_of("google-tiles", settings.prices).usd_per_unit
 
     def find(self, place: Place | None, points: Sequence[LatLon]) -> Iterator[Found | Rejection]:
         """The panorama nearest to each point, each panorama once."""
-        for start in range(0, len(points) if place else 0, MAX_LOCATIONS):
-            for panorama_id in self._ids(points[start : start + MAX_LOCATIONS]):
-                if panorama_id not in self._seen:
-                    self._seen.add(panorama_id)
-                    yield self._describe(panorama_id)
+        if place is None:
+            yield from self._describe_new(ids_of(self._settings))
+            return
+        for start in range(0, len(points), MAX_LOCATIONS):
+            yield from self._describe_new(
+                self._near(points[start : start + MAX_LOCATIONS], self._radii_m(place))
+            )
 
     def read(self, found: Found, name: str) -> bytes:
         """One tile: a full one, or one cropped at the picture's edge.
@@ -81,10 +89,26 @@ class GoogleTiles:
         )
         return self._session.send(request).body
 
-    def _ids(self, points: Sequence[LatLon]) -> list[str]:
+    def _radii_m(self, place: Place) -> tuple[float, ...]:
+        if place.points:
+            return (place.snap_m,)
+        return _RADII_M if self._settings.snap_m is None else (self._settings.snap_m,)
+
+    def _near(self, points: Sequence[LatLon], radii_m: Sequence[float]) -> list[str]:
+        """The ids nearest to points, in their order; wider circles for those without any."""
+        ids = self._ids(points, radii_m[0])
+        without = [index for index, one in enumerate(ids) if not one]
+        if without and len(radii_m) > 1:
+            wider = self._near([points[index] for index in without], radii_m[1:])
+            # Fewer if the service found fewer; those without any are left out at the end.
+            for index, one in zip(without, wider, strict=False):
+                ids[index] = one
+        return ids
+
+    def _ids(self, points: Sequence[LatLon], radius_m: float) -> list[str]:
         body = {
             "locations": [{"lat": lat, "lng": lng} for lat, lng in points],
-            "radius": _SEARCH_RADIUS_M,
+            "radius": round(radius_m),
         }
         url = f"{self._endpoint}/v1/streetview/panoIds"
         try:
@@ -92,7 +116,13 @@ class GoogleTiles:
             reply = self._session.send(request)
         except ItemError as error:
             raise NetworkError(f"{error} Check the endpoint.") from None
-        return parse_ids(reply.body)
+        return parse_ids(reply.body, len(points))
+
+    def _describe_new(self, ids: Iterable[str]) -> Iterator[Found | Rejection]:
+        for panorama_id in ids:
+            if panorama_id and panorama_id not in self._seen:
+                self._seen.add(panorama_id)
+                yield self._describe(panorama_id)
 
     def _describe(self, panorama_id: str) -> Found | Rejection:
         url = f"{self._endpoint}/v1/streetview/metadata"
@@ -109,25 +139,21 @@ class GoogleTiles:
             )
 
 
-def require_terms(settings: FetchSettings) -> None:
-    """Check that the user has accepted Google's terms.
+def parse_ids(body: bytes, count: int) -> list[str]:
+    """The ids of a panoIds reply, one for each point; "" for points without a panorama near.
 
     Raises:
-        LicenseError: If not; the message says what they are about.
+        NetworkError: If it is not such a reply, or not for so many points.
     """
-    if "google" not in settings.accept_terms:
-        raise LicenseError(
-            "Google's terms do not allow storing Street View pictures, deriving new works from "
-            f"them or training with them. Read {TERMS_URL}; if your use is allowed, say so with "
-            "--accept-terms google. The source panoramax has open licenses."
-        )
-
-
-def parse_ids(body: bytes) -> list[str]:
-    """The ids of a panoIds reply, without the "" of points that have no panorama near."""
     reply = json.loads(body)
     ids = reply.get("panoIds") if isinstance(reply, dict) else None
-    return [str(one) for one in ids or () if one]
+    # Services of this kind leave out empty fields.
+    ids = [""] * count if reply == {} else ids
+    if not isinstance(ids, list) or len(ids) != count:
+        raise NetworkError(
+            f"Google's answer to panoIds does not have {count} ids. Check the endpoint."
+        )
+    return [str(one or "") for one in ids]
 
 
 def parse_metadata(body: bytes, settings: FetchSettings) -> Found:
@@ -169,21 +195,18 @@ def check_tile(body: bytes, grid: TileGrid, what: str) -> None:
 
 
 def _capture(reply: Mapping[str, Any], size: tuple[int, int]) -> Capture:
-    month = _month(reply.get("date"))
+    month = month_of_date(reply.get("date"))
     tilt, roll, heading = reply.get("tilt"), reply.get("roll"), reply.get("heading")
     details = {
         "copyright": reply.get("copyright"),
         "imagery_type": reply.get("imageryType"),
         "report_url": reply.get("reportProblemLink"),
+        "terms": terms_accepted(),
     }
     return Capture(
         provider="google-tiles",
         id=str(reply["panoId"]),
-        license=License(
-            id="google-maps-platform",
-            attribution=f"Google Maps, {reply.get('copyright') or '© Google'}",
-            url=TERMS_URL,
-        ),
+        license=google_license(reply.get("copyright")),
         latitude_deg=reply.get("lat"),
         longitude_deg=reply.get("lng"),
         elevation_m=reply.get("originalElevationAboveEgm96"),
@@ -195,14 +218,9 @@ def _capture(reply: Mapping[str, Any], size: tuple[int, int]) -> Capture:
         roll_deg=None if roll is None else wrap_degrees(float(roll)),
         width_px=size[0],
         height_px=size[1],
-        source_url=f"https://www.google.com/maps/@?api=1&map_action=pano&pano={reply['panoId']}",
+        source_url=map_page(str(reply["panoId"])),
         details={name: value for name, value in details.items() if value},
     )
-
-
-def _month(text: str | None) -> datetime | None:
-    match = re.fullmatch(r"(\d{4})-(\d{2})", text or "")
-    return datetime(int(match[1]), int(match[2]), 1, tzinfo=UTC) if match else None
 
 
 def _is_of_full_resolution(body: bytes, grid: TileGrid, column: int, row: int) -> bool:

@@ -14,18 +14,21 @@ from typing import Any
 from urllib.parse import urljoin
 
 from panokit.capture import Capture, License, TimePrecision, license_from_spdx, wrap_degrees
-from panokit.errors import ItemError, NetworkError
-from panokit.fetch.cells import Bbox, Cells, Listing
-from panokit.fetch.geodesy import LatLon, distance_m
+from panokit.errors import ItemError, NetworkError, Rejection
+from panokit.fetch.cells import Bbox, Listing
+from panokit.fetch.geodesy import LatLon
 from panokit.fetch.jpeg import jpeg_size
+from panokit.fetch.nearest import NearestPictures
 from panokit.fetch.places import Place
 from panokit.fetch.provider import Found
 from panokit.fetch.settings import FetchSettings
+from panokit.fetch.where import ids_of
 from panokit.http import Client, Request
 
 _log = logging.getLogger(__name__)
 ENDPOINT = "https://api.panoramax.xyz"
 _LIMIT = 100
+_GONE = ("not-found", "gone")
 _BYTES_PER_PIXEL = 0.1
 
 
@@ -34,26 +37,21 @@ class Panoramax:
 
     usd_per_file = 0.0
     may_store = False
-    files_per_day = None
 
     def __init__(self, settings: FetchSettings, client: Client) -> None:
         self._endpoint = settings.endpoint or ENDPOINT
         self._client = client
+        self._settings = settings
         self._interval = _interval(settings)
-        self._cells: dict[str, Cells[Found]] = {}
-        self._given: set[str] = set()
+        self._nearest = NearestPictures(self._search, settings.snap_m)
 
-    def find(self, place: Place | None, points: Sequence[LatLon]) -> Iterator[Found]:
+    def find(self, place: Place | None, points: Sequence[LatLon]) -> Iterator[Found | Rejection]:
         """For each point the nearest 360 degree picture of its cell that was not given yet."""
         if place is None:
+            for picture_id in ids_of(self._settings):
+                yield self._describe(picture_id)
             return
-        cells = self._cells.setdefault(place.name, Cells(place.bbox_deg, self._search))
-        for point in points:
-            around = [one for one in cells.around(point) if one.capture.id not in self._given]
-            if around:
-                nearest = min(around, key=lambda one: distance_m(point, one.position_deg or point))
-                self._given.add(nearest.capture.id)
-                yield nearest
+        yield from self._nearest.find(place, points)
 
     def read(self, found: Found, name: str) -> bytes:
         """The full-size picture."""
@@ -65,9 +63,24 @@ class Panoramax:
         try:
             return self._client.send(request).body
         except ItemError as error:
-            if error.reason not in ("not-found", "gone"):
+            if error.reason not in _GONE:
                 raise
             raise ItemError(str(error), reason="retired", values=error.values) from None
+
+    def _describe(self, picture_id: str) -> Found | Rejection:
+        """One picture by its id."""
+        url = f"{self._endpoint}/api/pictures/{picture_id}"
+        try:
+            item = self._client.send(Request(url=url)).json()
+            found = parse_item(item, url)
+        except ItemError as error:
+            return _rejection(picture_id, "retired" if error.reason in _GONE else error.reason,
+                              str(error))  # fmt: skip
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            return _rejection(picture_id, "bad-metadata", f"{url} is no picture ({error!r}).")
+        if found is None:
+            return _rejection(picture_id, "not-360", f"{url} is no full picture of 360 degrees.")
+        return found
 
     def _search(self, bbox_deg: Bbox) -> Listing[Found]:
         params = {"bbox": ",".join(f"{value:.7f}" for value in bbox_deg), "limit": str(_LIMIT)}
@@ -140,6 +153,10 @@ def parse_item(item: Mapping[str, Any], url: str) -> Found | None:
     )
     size = properties.get("original_file:size") or _BYTES_PER_PIXEL * (width or 0) * (height or 0)
     return Found(capture=capture, address=urljoin(url, href), bytes=int(size), raw=item)
+
+
+def _rejection(picture_id: str, reason: str, message: str) -> Rejection:
+    return Rejection(item=f"panoramax-{picture_id}", stage="fetch", reason=reason, message=message)
 
 
 def check_picture(body: bytes, what: str) -> None:

@@ -1,23 +1,20 @@
-"""Areas to look for pictures in: cities by name, discs, boxes."""
+"""Areas to look for pictures in: discs, boxes, polygons, and points of the user's own."""
 
-import csv
-import unicodedata
-from collections.abc import Iterator
-from dataclasses import dataclass
-from difflib import get_close_matches
-from functools import cache
-from importlib.resources import files
-from pathlib import Path
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
 
 from panokit.errors import PlaceError
 from panokit.fetch.geodesy import LatLon, distance_m, east_north_m, offset
-from panokit.fetch.settings import FetchSettings
-from panokit.io.files import read_bytes
+
+Ring = tuple[LatLon, ...]  # the first point is not repeated at the end
+Polygon = tuple[Ring, ...]  # the outline, then the holes in it
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+# No slots: a cached property needs a dictionary to keep its value in.
+@dataclass(frozen=True, kw_only=True)
 class Place:
-    """A named area: a box, or the disc in it.
+    """A named area: a box, or the disc, the polygons or the points in it.
 
     Attributes:
         name: What its pictures are filed under.
@@ -27,6 +24,10 @@ class Place:
         half_height_m: From the center to the north and south.
         is_disc: Whether only the disc counts, not the corners.
         timezone: IANA name, "" where it is not known.
+        polygons: Only what lies in one of them counts; () for no such limit.
+        points: (latitude, longitude) of the only points to look at, each for the picture
+            nearest to it; () to look everywhere.
+        snap_m: How far from one of its points a picture may lie.
     """
 
     name: str
@@ -36,6 +37,9 @@ class Place:
     half_height_m: float
     is_disc: bool = True
     timezone: str = ""
+    polygons: tuple[Polygon, ...] = field(default=(), repr=False)
+    points: tuple[LatLon, ...] = field(default=(), repr=False)
+    snap_m: float = 0.0
 
     @property
     def center_deg(self) -> LatLon:
@@ -50,11 +54,32 @@ class Place:
         return west, south, east, north
 
     def contains(self, point_deg: LatLon) -> bool:
-        """Whether a point lies in the area."""
+        """Whether a point lies in the area; for points, whether it lies near one of them."""
+        if self.points:
+            near = self._points_by_cell.get(_cell(point_deg, self._cell_deg), ())
+            return any(distance_m(point_deg, other) <= self.snap_m for other in near)
         if self.is_disc:
             return distance_m(self.center_deg, point_deg) <= self.half_width_m
         east_m, north_m = east_north_m(self.center_deg, point_deg)
-        return abs(east_m) <= self.half_width_m and abs(north_m) <= self.half_height_m
+        if abs(east_m) > self.half_width_m or abs(north_m) > self.half_height_m:
+            return False
+        return not self.polygons or any(_is_in(point_deg, one) for one in self.polygons)
+
+    @property
+    def _cell_deg(self) -> tuple[float, float]:
+        """Sides of cells so large that what is near a point is in its cell or the eight around."""
+        worst = max((abs(latitude) for latitude, _ in self.points), default=0.0)
+        north = max(self.snap_m, 1.0) / 111_000
+        return north, north / max(math.cos(math.radians(min(worst, 89.0))), 1e-3)
+
+    @cached_property
+    def _points_by_cell(self) -> dict[tuple[int, int], list[LatLon]]:
+        cells: dict[tuple[int, int], list[LatLon]] = {}
+        for point in self.points:
+            row, column = _cell(point, self._cell_deg)
+            for near in ((row + i, column + j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
+                cells.setdefault(near, []).append(point)
+        return cells
 
 
 def disc(
@@ -73,115 +98,95 @@ def disc(
 
 def box(name: str, bbox_deg: tuple[float, float, float, float]) -> Place:
     """The area between west, south, east and north."""
+    return Place(name=name, **_extent(bbox_deg), is_disc=False)
+
+
+def area(name: str, polygons: tuple[Polygon, ...]) -> Place:
+    """The area inside polygons, which may have holes (even-odd rule).
+
+    Raises:
+        PlaceError: If there is none, if one has fewer than three corners or no area, or if
+            they reach around more than half of the earth.
+    """
+    if not polygons or any(len(ring) < 3 for polygon in polygons for ring in polygon):
+        raise PlaceError(f"The area {name!r} needs polygons of at least three corners.")
+    bbox = _bbox_of([corner for polygon in polygons for corner in polygon[0]])
+    if bbox[2] - bbox[0] > 180:
+        raise PlaceError(
+            f"The area {name!r} reaches around the earth. If it crosses the 180th meridian, write "
+            "its two sides as two features."
+        )
+    extent = _extent(bbox)
+    box_m2 = 4 * extent["half_width_m"] * extent["half_height_m"]
+    center = extent["latitude_deg"], extent["longitude_deg"]
+    if sum(_area_m2(polygon[0], center) for polygon in polygons) < max(1e-4 * box_m2, 1.0):
+        raise PlaceError(
+            f"The area {name!r} is no more than a line. Draw it wider, or list points instead."
+        )
+    return Place(name=name, **extent, is_disc=False, polygons=polygons)
+
+
+def points_of_interest(name: str, points: tuple[LatLon, ...], snap_m: float) -> Place:
+    """Points to look at one by one, each for the picture nearest to it.
+
+    Raises:
+        PlaceError: If there is none.
+    """
+    if not points:
+        raise PlaceError(f"{name} lists no points. Write latitude and longitude, a point a line.")
+    extent = _extent(_bbox_of(points))
+    for side in ("half_width_m", "half_height_m"):
+        extent[side] += snap_m  # a picture may lie beyond the outermost point
+    return Place(name=name, **extent, is_disc=False, points=points, snap_m=snap_m)
+
+
+def check_point(latitude_deg: float, longitude_deg: float, where: str = "") -> LatLon:
+    """The same point, if it is one.
+
+    Raises:
+        PlaceError: If latitude or longitude are out of range, or not finite.
+    """
+    if not (-90 <= latitude_deg <= 90 and -180 <= longitude_deg <= 180):
+        raise PlaceError(
+            f"{where}{latitude_deg}, {longitude_deg} is no point: give latitude, longitude."
+        )
+    return latitude_deg, longitude_deg
+
+
+def _bbox_of(points: list[LatLon] | tuple[LatLon, ...]) -> tuple[float, float, float, float]:
+    latitudes, longitudes = [p[0] for p in points], [p[1] for p in points]
+    return min(longitudes), min(latitudes), max(longitudes), max(latitudes)
+
+
+def _extent(bbox_deg: tuple[float, float, float, float]) -> dict[str, float]:
     west, south, east, north = bbox_deg
     center = (south + north) / 2, (west + east) / 2
     east_m, north_m = east_north_m(center, (north, east))
-    return Place(
-        name=name,
-        latitude_deg=center[0],
-        longitude_deg=center[1],
-        half_width_m=east_m,
-        half_height_m=north_m,
-        is_disc=False,
-    )
+    return {
+        "latitude_deg": center[0],
+        "longitude_deg": center[1],
+        "half_width_m": east_m,
+        "half_height_m": north_m,
+    }
 
 
-def find_city(text: str) -> Place:
-    """A city of the bundled table, by "Name" or "Name, COUNTRY"; case and accents do not matter.
-
-    Raises:
-        PlaceError: If it is not there, or there is more than one; the message names the
-            nearest.
-    """
-    name, _, country = (part.strip() for part in text.partition(","))
-    same_name = [city for city in _cities() if _plain(city.name) == _plain(name)]
-    found = [city for city in same_name if not country or _country(city) == country.upper()]
-    if len(found) == 1:
-        return found[0].place
-    if same_name:
-        choices = " or ".join(f"{city.name}, {_country(city)}" for city in same_name)
-        raise PlaceError(f"{text!r} is not one city of the table; did you mean {choices}?")
-    names = {_plain(city.name): f"{city.name}, {_country(city)}" for city in _cities()}
-    near = [names[match] for match in get_close_matches(_plain(name), names, n=3, cutoff=0.6)]
-    hint = f" Did you mean {' or '.join(near)}?" if near else ""
-    raise PlaceError(
-        f"The city {text!r} is not known.{hint} Any other place can be given as a point with a "
-        "radius, or as a box."
-    )
+def _cell(point_deg: LatLon, side_deg: tuple[float, float]) -> tuple[int, int]:
+    return math.floor(point_deg[0] / side_deg[0]), math.floor(point_deg[1] / side_deg[1])
 
 
-def places_of(settings: FetchSettings) -> list[Place]:
-    """The areas that the settings name, each once, in their order.
-
-    Raises:
-        PlaceError: If a city is not known, no place is given, or two have one name.
-    """
-    found: list[Place] = []
-    for text in (*settings.cities, *_listed(settings.city_list)):
-        city = find_city(text)
-        if settings.radius_m is not None:
-            city = disc(city.name, *city.center_deg, settings.radius_m, city.timezone)
-        if city not in found:
-            found.append(city)
-    for own in settings.places:
-        found.append(disc(own.name, own.latitude_deg, own.longitude_deg, own.radius_m))
-    if settings.point is not None:
-        latitude, longitude = settings.point
-        if not (-90 <= latitude <= 90 and -180 <= longitude <= 180):
-            raise PlaceError(f"{latitude}, {longitude} is no point: give latitude, longitude.")
-        name = f"{latitude:.4f} {longitude:.4f}"
-        found.append(disc(name, latitude, longitude, settings.radius_m or 1000.0))
-    if settings.bbox is not None:
-        found.append(box(" ".join(f"{value:.4f}" for value in settings.bbox), settings.bbox))
-    if not found:
-        raise PlaceError(
-            'Say where to look: --city "Bristol, GB", or cities = ["Bristol, GB"] in a '
-            "pipeline's [fetch]."
-        )
-    names = [place.name for place in found]
-    for name in names:
-        if names.count(name) > 1:
-            raise PlaceError(f"Two places are called {name!r}; give one of them another name.")
-    return found
+def _is_in(point_deg: LatLon, polygon: Polygon) -> bool:
+    """Whether a ray to the east crosses the rings an odd number of times (the even-odd rule)."""
+    y, x = point_deg
+    inside = False
+    for ring in polygon:
+        for (y1, x1), (y2, x2) in zip(ring, (*ring[1:], ring[0]), strict=True):
+            if (y1 > y) != (y2 > y) and x < (x2 - x1) * (y - y1) / (y2 - y1) + x1:
+                inside = not inside
+    return inside
 
 
-@dataclass(frozen=True, slots=True)
-class _City:
-    name: str
-    place: Place
-
-
-def _country(city: _City) -> str:
-    return city.place.name.rpartition(", ")[2]
-
-
-@cache
-def _cities() -> tuple[_City, ...]:
-    text = files("panokit.fetch").joinpath("cities.csv").read_text(encoding="utf-8")
-    return tuple(
-        _City(
-            row["name"],
-            disc(
-                f"{row['name']}, {row['country']}",
-                float(row["latitude_deg"]),
-                float(row["longitude_deg"]),
-                float(row["radius_m"]),
-                row["timezone"],
-            ),
-        )
-        for row in csv.DictReader(text.splitlines())
-    )
-
-
-def _listed(path: Path | None) -> Iterator[str]:
-    if path is not None:
-        for line in read_bytes(path).decode("utf-8", "replace").splitlines():
-            name = line.partition("#")[0].strip()
-            if name:
-                yield name
-
-
-def _plain(name: str) -> str:
-    """A name without case, accents and hyphens, for comparing."""
-    letters = unicodedata.normalize("NFKD", name.casefold().replace("-", " "))
-    return "".join(c for c in letters if c.isalnum() or c == " ")
+def _area_m2(ring: Ring, center_deg: LatLon) -> float:
+    """The area of a ring on the ground (the shoelace formula)."""
+    xy = [east_north_m(center_deg, corner) for corner in ring]
+    turns = zip(xy, (*xy[1:], xy[0]), strict=True)
+    return abs(sum(x1 * y2 - x2 * y1 for (x1, y1), (x2, y2) in turns)) / 2

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
-from panokit.capture import Capture, TileGrid
+from panokit.capture import Capture, TileGrid, View
 from panokit.errors import Rejection
 from panokit.fetch.geodesy import LatLon
 from panokit.fetch.places import Place
@@ -18,7 +18,8 @@ class Found:
     Attributes:
         capture: What the provider says of it.
         address: Where its pixels are; only its provider reads this.
-        grid: How its tiles lie, or None for one whole picture.
+        grid: How its tiles lie, or None for one whole picture or for views.
+        views: The overlapping views it comes in, or () for one whole picture or for tiles.
         suffix: Of a whole picture's file.
         bytes: About how large it is.
         raw: The provider's own description, kept in the record as it came.
@@ -27,6 +28,7 @@ class Found:
     capture: Capture
     address: str = ""
     grid: TileGrid | None = None
+    views: tuple[View, ...] = ()
     suffix: str = ".jpg"
     bytes: int = 0
     raw: Any = field(default=None, repr=False)
@@ -43,6 +45,8 @@ class Found:
     @property
     def files(self) -> tuple[str, ...]:
         """The names of its files, as they will be stored."""
+        if self.views:
+            return tuple(view.name for view in self.views)
         if self.grid is None:
             return (f"image{self.suffix}",)
         return tuple(tile_name(column, row) for column, row in self.grid.cells())
@@ -65,12 +69,9 @@ class Provider(Protocol):
     def may_store(self) -> bool:
         """Whether pictures may be kept that carry no license for it: by consent, or the user's."""
 
-    @property
-    def files_per_day(self) -> int | None:
-        """How many files its usual quota allows in a day, or None."""
-
     def find(self, place: Place | None, points: Sequence[LatLon]) -> Iterable[Found | Rejection]:
-        """Pictures near these points, lazily; a source without places gives all it has.
+        """Pictures near these points, lazily. Without a place, those that the settings name by
+        id; a source without places gives all it has.
 
         What is listed but cannot be had (any more) comes as a `Rejection`. The same picture
         may come again.

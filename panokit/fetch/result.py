@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from panokit.errors import Rejection
+from panokit.fetch.plan import FetchPlan
 from panokit.io.captures import StoredCapture
 
 EventKind = Literal["place", "stored", "rejected", "short"]
@@ -30,25 +31,6 @@ class FetchEvent:
     message: str = ""
     done: int = 0
     wanted: int = 0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FetchPlan:
-    """What fetching takes: what a dry run finds out.
-
-    Attributes:
-        panoramas: Not on disk yet.
-        files: One request for each; searching is done.
-        bytes: About how much comes over the network.
-        cost_usd: By the prices of the settings, without free amounts.
-        days_at_quota: How long the source's usual daily quota takes, or None.
-    """
-
-    panoramas: int = 0
-    files: int = 0
-    bytes: int = 0
-    cost_usd: float = 0.0
-    days_at_quota: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

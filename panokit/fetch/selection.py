@@ -6,11 +6,12 @@ from itertools import islice
 
 from panokit.capture import Capture, TimePrecision
 from panokit.errors import Rejection
-from panokit.fetch.geodesy import LatLon, distance_m
+from panokit.fetch.geodesy import LatLon
 from panokit.fetch.places import Place
-from panokit.fetch.provider import Found, Provider, position_of
+from panokit.fetch.provider import Found, Provider
 from panokit.fetch.sampling import sample_points
 from panokit.fetch.settings import FetchSettings
+from panokit.fetch.thinning import Thinning
 from panokit.io.captures import StoredCapture
 
 _POINTS_AT_ONCE = 100
@@ -44,8 +45,7 @@ class Selection:
         self._place = place
         self._on_disk = on_disk
         self._known = known
-        positions = (position_of(stored.capture) for stored in on_disk.values())
-        self._taken = [position for position in positions if position is not None]
+        self._thinning = Thinning(settings, place, (one.capture for one in on_disk.values()))
 
     def candidates(self, provider: Provider) -> Iterator[Found | Rejection]:
         """Wanted pictures and failed ones, one by one, until the place yields no more."""
@@ -57,6 +57,8 @@ class Selection:
         while fruitless < _FRUITLESS_ROUNDS:
             fruitless += 1
             around = list(islice(points, _POINTS_AT_ONCE))
+            if self._place.points and around:
+                fruitless = 0  # each point of a list is looked at
             for found in self._wanted(provider, around):
                 fruitless = 0
                 yield found
@@ -71,8 +73,7 @@ class Selection:
             if reason:
                 self.passed_over[reason] += 1
                 continue
-            if one.position_deg is not None:
-                self._taken.append(one.position_deg)
+            self._thinning.take(one.capture)
             yield one
 
     def _objection(self, found: Found, provider: Provider) -> str:
@@ -90,16 +91,13 @@ class Selection:
     def _misfit(self, found: Found, place: Place) -> str:
         """Why a picture does not belong to what is wanted of a place, "" if it does."""
         capture, position = found.capture, found.position_deg
-        if capture.details.get("imagery_type") == "indoor":
+        if capture.details.get("imagery_type") == "indoor" and not self._settings.indoor:
             return "indoor"
         if position is None or not place.contains(position):
             return "outside"
         if not self._is_in_time(capture):
             return "out-of-dates"
-        too_close = self._settings.min_distance_m
-        if any(distance_m(position, other) < too_close for other in self._taken):
-            return "too-close"
-        return ""
+        return self._thinning.objection(capture)
 
     def _is_in_time(self, capture: Capture) -> bool:
         """Whether a picture was taken between the dates; months count where days are unknown."""

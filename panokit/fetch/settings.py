@@ -31,7 +31,9 @@ class PlaceSettings(Settings):
 class FetchSettings(Settings):
     """Which street panoramas to fetch, from where, and how much may be spent on it."""
 
-    source: Literal["panoramax", "google-tiles", "folder"] = "panoramax"
+    source: Literal["panoramax", "mapillary", "google-tiles", "google-static", "folder"] = (
+        "panoramax"
+    )
     """Where from. Panoramax is open and needs no key; read the licenses of the others."""
 
     cities: Annotated[tuple[str, ...], Parameter(alias="--city")] = ()
@@ -44,6 +46,9 @@ class FetchSettings(Settings):
     places: Annotated[tuple[PlaceSettings, ...], Parameter(parse=False, show=False)] = ()
     """Places of your own, each a name, a point and a radius."""
 
+    area_file: Path | None = None
+    """A GeoJSON file of polygons, or a CSV table of points: latitude, longitude, maybe radius."""
+
     bbox: tuple[float, float, float, float] | None = None
     """A box instead of a city: west, south, east, north in degrees."""
 
@@ -52,6 +57,12 @@ class FetchSettings(Settings):
 
     radius_m: float | None = Field(default=None, gt=0, le=100_000)
     """How far from the point (else 1000) or a city's center (else the city's own) to look."""
+
+    pictures: Annotated[tuple[str, ...], Parameter(alias="--picture")] = ()
+    """Pictures by id, or by the address of their page in the browser; all of them are taken."""
+
+    picture_list: Path | None = None
+    """A text file with one id or address on a line."""
 
     folder: Path | None = None
     """For the source "folder": where the pictures are. All of them are taken."""
@@ -68,6 +79,21 @@ class FetchSettings(Settings):
     min_distance_m: float = Field(default=25.0, ge=0)
     """How far apart the panoramas of a place are at least."""
 
+    snap_m: float | None = Field(default=None, gt=0, le=1000)
+    """How far from a point pictures may lie (else 50, and 200 where Google has none so near)."""
+
+    cell_m: float | None = Field(default=None, gt=0)
+    """Take at most one panorama of each square cell of this side."""
+
+    per_sequence: int | None = Field(default=None, ge=1)
+    """Take at most so many panoramas of one drive."""
+
+    per_month: int | None = Field(default=None, ge=1)
+    """Take at most so many panoramas of a place that are of the same month."""
+
+    indoor: Annotated[bool, Parameter(negative=())] = False
+    """Take indoor panoramas too."""
+
     date_from: date | None = None
     """Only pictures taken on this day or later."""
 
@@ -79,6 +105,9 @@ class FetchSettings(Settings):
 
     zoom: int | None = Field(default=None, ge=0, le=5)
     """A tile service's zoom, instead of a least width. Small panoramas have fewer zooms."""
+
+    view_fov_deg: float = Field(default=75.0, ge=50, le=100)
+    """For google-static: the width of a view. Narrower ones are finer, and more of them."""
 
     allow_missing: Annotated[bool, Parameter(negative=())] = False
     """Take panoramas of which some tiles cannot be had; what is missing is recorded."""
@@ -96,10 +125,10 @@ class FetchSettings(Settings):
     """Stop before sending more requests than this."""
 
     max_cost_usd: Annotated[float | None, Parameter(alias="--max-cost")] = Field(default=None, ge=0)
-    """Stop before spending more than this, by the price below."""
+    """Stop before spending more than this by list price; free amounts are not deducted."""
 
-    usd_per_1000_tiles: float = Field(default=2.0, ge=0)
-    """What Google charges beyond its free amount; look it up, prices change."""
+    prices: Path | None = None
+    """A TOML table of prices and quotas, instead of the one that panokit brings."""
 
     requests_per_s: float = Field(default=20.0, gt=0)
     """How fast to ask one host."""
@@ -134,4 +163,6 @@ class FetchSettings(Settings):
             raise ValueError(f"date_from {self.date_from} is after date_to {self.date_to}")
         if self.folder is not None and self.source != "folder":
             raise ValueError('folder needs source = "folder"')
+        if (self.pictures or self.picture_list) and self.source == "folder":
+            raise ValueError("a folder has no pictures by id")
         return self

@@ -3,7 +3,9 @@
 from collections.abc import Callable
 
 from panokit.fetch.folder import Folder
+from panokit.fetch.google_static import GoogleStatic
 from panokit.fetch.google_tiles import GoogleTiles
+from panokit.fetch.mapillary import Mapillary
 from panokit.fetch.panoramax import Panoramax
 from panokit.fetch.provider import Provider
 from panokit.fetch.settings import FetchSettings
@@ -11,6 +13,8 @@ from panokit.http import Client
 
 SOURCES: dict[str, Callable[[FetchSettings, Client], Provider]] = {
     "panoramax": Panoramax,
+    "mapillary": Mapillary,
     "google-tiles": GoogleTiles,
+    "google-static": GoogleStatic,
     "folder": Folder,
 }

@@ -1,13 +1,15 @@
 """Fetch street panoramas: settings in, captures on disk out, within budgets."""
 
 from collections import Counter
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Container, Iterator, Sequence
 from contextlib import closing
 from itertools import islice
 from pathlib import Path
 
 from panokit.errors import Rejection
-from panokit.fetch.places import Place, places_of
+from panokit.fetch.places import Place
+from panokit.fetch.plan import plan_of
+from panokit.fetch.prices import price_of
 from panokit.fetch.provider import Found, position_of
 from panokit.fetch.result import EventKind, FetchEvent, FetchPlan, FetchResult
 from panokit.fetch.selection import Selection
@@ -15,6 +17,7 @@ from panokit.fetch.settings import FetchSettings
 from panokit.fetch.sources import SOURCES
 from panokit.fetch.store import stored_captures
 from panokit.fetch.transfer import Transfer
+from panokit.fetch.where import areas_of, wanted_of
 from panokit.http import Budget, Client, Policy
 from panokit.io.captures import StoredCapture
 
@@ -54,7 +57,7 @@ def fetch(
         NetworkError: If the source cannot be reached.
         StorageError: If the disk is full or the folder cannot be written.
     """
-    places = [None] if settings.source == "folder" else places_of(settings)
+    places = areas_of(settings)
     if client is not None:
         return _Fetching(settings, out, client, report, known).run(places)
     with _client(settings) as own_client:
@@ -87,7 +90,7 @@ class _Fetching:
         self._short: dict[str, tuple[int, int]] = {}
         self._passed_over: Counter[str] = Counter()
 
-    def run(self, places: list[Place] | list[None]) -> FetchResult:
+    def run(self, places: Sequence[Place | None]) -> FetchResult:
         """Bring every place to its wanted count, as far as it goes."""
         for place in places:
             self._run_place(place)
@@ -103,7 +106,8 @@ class _Fetching:
 
     def _run_place(self, place: Place | None) -> None:
         existing = [] if place is None else self._already_there(place)
-        missing = None if place is None else max(self._settings.count - len(existing), 0)
+        wanted = wanted_of(place, self._settings)
+        missing = None if wanted is None else max(wanted - len(existing), 0)
         if place is not None:
             self._tell("place", place.name, done=len(existing))
         selection = Selection(self._settings, place, self._on_disk, self._known)
@@ -115,7 +119,8 @@ class _Fetching:
         self._existing += selection.met_again if place is None else existing
         self._passed_over.update(selection.passed_over)
         if place is not None and fresh < (missing or 0):
-            self._fall_short(place, len(existing) + fresh, selection.passed_over)
+            have = len(existing) + fresh
+            self._fall_short(place, have, wanted or 0, selection.passed_over)
 
     def _fetch(self, candidates: Iterator[Found | Rejection], missing: int | None) -> int:
         """Fetch until none is missing; gives how many were stored."""
@@ -145,32 +150,25 @@ class _Fetching:
                 yield one
 
     def _plan(self) -> FetchPlan:
-        files = sum(len(found.files) for found in self._planned)
-        per_day = self._provider.files_per_day
-        return FetchPlan(
-            panoramas=len(self._planned),
-            files=files,
-            bytes=sum(found.bytes for found in self._planned),
-            cost_usd=files * self._provider.usd_per_file,
-            days_at_quota=files / per_day if per_day else None,
-        )
+        return plan_of(self._planned, price_of(self._settings.source, self._settings.prices))
 
     def _reject(self, rejection: Rejection) -> None:
         self._rejections.append(rejection)
         self._tell("rejected", rejection.item, rejection.message)
 
-    def _fall_short(self, place: Place, have: int, passed_over: Counter[str]) -> None:
+    def _fall_short(self, place: Place, have: int, wanted: int, passed_over: Counter[str]) -> None:
         """Say that a place has fewer pictures than wanted; without any it is rejected."""
         reasons = ", ".join(f"{count} {reason}" for reason, count in passed_over.most_common())
-        remedies = [f"a larger {'radius' if place.is_disc else 'box'}"]
+        shape = "radius" if place.is_disc else "area" if place.polygons else "box"
+        remedies = [f"a larger {'snap_m' if place.points else shape}"]
         remedies += ["a smaller minimum distance"] if passed_over["too-close"] else []
         remedies += ["other dates"] if passed_over["out-of-dates"] else []
         message = (
-            f"{have or 'none'} of {self._settings.count} panoramas found"
+            f"{have or 'none'} of {wanted} panoramas found"
             f"{f' (passed over: {reasons})' if reasons else ''}. "
             f"Try {', '.join(remedies)} or another source."
         )
-        self._short[place.name] = have, self._settings.count
+        self._short[place.name] = have, wanted
         self._tell("short", place.name, message, done=have)
         if have == 0:
             self._rejections.append(

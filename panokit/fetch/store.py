@@ -3,13 +3,21 @@
 import shutil
 from collections.abc import Mapping
 from concurrent.futures import Executor, Future, wait
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from panokit.errors import ItemError, RecordError, StorageError
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.errors import ImageError, ItemError, RecordError, StorageError
+from panokit.fetch import guard
 from panokit.fetch.provider import Found, Provider
-from panokit.io.captures import RECORD, StoredCapture, read_capture, write_capture
+from panokit.io.captures import RECORD, StoredCapture, read_capture, tile_name, write_capture
 from panokit.io.files import sha256_of_bytes, write_bytes
+
+_BLACK_TILE = ImageError(
+    "It is black, and what lies beside it is not. Fetch it again later.", reason="black-tile"
+)
 
 
 class Download:
@@ -20,16 +28,26 @@ class Download:
         folder: Where it goes; what an interrupted run left there is removed.
         provider: Where it comes from.
         executor: Fetches the files.
+        guarded: Whether to refuse what is black instead of a picture.
     """
 
-    def __init__(self, found: Found, folder: Path, provider: Provider, executor: Executor) -> None:
+    def __init__(
+        self,
+        found: Found,
+        folder: Path,
+        provider: Provider,
+        executor: Executor,
+        *,
+        guarded: bool = True,
+    ) -> None:
         self.found = found
         self._folder = folder
+        self._provider = provider
+        self._executor = executor
+        # Views are small parts of a picture: one may well be dark.
+        self._guarded = guarded and not found.views
         self.discard()
-        self._files: dict[str, Future[str]] = {
-            name: executor.submit(_fetch_file, provider, found, name, folder)
-            for name in found.files
-        }
+        self._files = {name: self._submit(name) for name in found.files}
 
     @property
     def outstanding(self) -> int:
@@ -47,20 +65,25 @@ class Download:
                 "missing-tile".
             PanokitError: What else stopped the transfer.
         """
-        digests: dict[str, str] = {}
-        for name, future in self._files.items():
-            try:
-                digests[name] = future.result()
-            except ItemError as error:
-                if self.found.grid is None:
-                    raise
-                if not allow_missing:
-                    raise self._missing_tile(name, error) from error
-        if not digests:
+        files: dict[str, _File] = {}
+        for name in self._files:
+            self._collect(name, files, allow_missing=allow_missing)
+        for name in self._black_tiles(files):
+            # Perhaps it was a hiccup; what is black twice is not there.
+            del files[name]
+            self._files[name] = self._submit(name)
+            self._collect(name, files, allow_missing=allow_missing)
+        for name in self._black_tiles(files):
+            if not allow_missing:
+                raise self._missing_tile(name, _BLACK_TILE)
+            del files[name]
+            (self._folder / name).unlink(missing_ok=True)
+        if not files:
             raise ItemError(
                 f"{self.found.capture.key}: not one tile can be had.", reason="missing-tile"
             )
-        return self._write_record(digests)
+        self._check(files)
+        return self._write_record({name: file.digest for name, file in files.items()})
 
     def cancel(self) -> None:
         """Stop, wait for what is under way, and leave nothing on disk."""
@@ -80,6 +103,44 @@ class Download:
                 f"Cannot remove {self._folder}: {error.strerror}. Check its permissions."
             ) from error
 
+    def _submit(self, name: str) -> "Future[_File]":
+        return self._executor.submit(
+            _fetch_file, self._provider, self.found, name, self._folder, guarded=self._guarded
+        )
+
+    def _collect(self, name: str, files: "dict[str, _File]", *, allow_missing: bool) -> None:
+        try:
+            files[name] = self._files[name].result()
+        except ItemError as error:
+            if self.found.grid is None:
+                raise
+            if not allow_missing:
+                raise self._missing_tile(name, error) from error
+
+    def _glances(self, files: "Mapping[str, _File]") -> dict[guard.Cell, NDArray[np.uint8]]:
+        cells = self.found.grid.cells() if self.found.grid else ()
+        named = zip(cells, self.found.files, strict=True)
+        seen = {cell: files[name].glance for cell, name in named if name in files}
+        return {cell: glance for cell, glance in seen.items() if glance is not None}
+
+    def _black_tiles(self, files: "Mapping[str, _File]") -> list[str]:
+        grid = self.found.grid
+        if grid is None or not self._guarded:
+            return []
+        return [tile_name(*cell) for cell in sorted(guard.lost_cells(self._glances(files), grid))]
+
+    def _check(self, files: "Mapping[str, _File]") -> None:
+        """Refuse a frame with black bars; tiles that are missing are no bars."""
+        if not self._guarded:
+            return
+        if self.found.grid is not None:
+            frame = guard.lay_out(self._glances(files), self.found.grid)
+            guard.check_frame(frame, self.found.capture.key)
+        else:
+            for file in files.values():
+                if file.glance is not None:
+                    guard.check_frame(file.glance, self.found.capture.key)
+
     def _write_record(self, digests: Mapping[str, str]) -> StoredCapture:
         grid = self.found.grid
         if grid is not None:
@@ -87,7 +148,11 @@ class Download:
             cells = zip(grid.cells(), self.found.files, strict=True)
             grid = replace(grid, missing=tuple(cell for cell, name in cells if name not in have))
         stored = StoredCapture(
-            folder=self._folder, capture=self.found.capture, grid=grid, files=digests
+            folder=self._folder,
+            capture=self.found.capture,
+            grid=grid,
+            views=self.found.views,
+            files=digests,
         )
         write_capture(stored, raw=self.found.raw)
         return stored
@@ -113,7 +178,18 @@ def stored_captures(captures: Path) -> dict[str, StoredCapture]:
     return found
 
 
-def _fetch_file(provider: Provider, found: Found, name: str, folder: Path) -> str:
+@dataclass(frozen=True, slots=True, eq=False)
+class _File:
+    """A file on disk: its SHA-256, and what it looks like from afar."""
+
+    digest: str
+    glance: NDArray[np.uint8] | None
+
+
+def _fetch_file(
+    provider: Provider, found: Found, name: str, folder: Path, *, guarded: bool
+) -> _File:
     data = provider.read(found, name)
+    glance = guard.glance(data) if guarded else None
     write_bytes(folder / name, data)
-    return sha256_of_bytes(data)
+    return _File(sha256_of_bytes(data), glance)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from panokit.capture import Capture, TileGrid
+from panokit.capture import Capture, TileGrid, View
 from panokit.errors import RecordError
 from panokit.io.files import read_bytes, read_json, sha256_of_bytes, write_json
 
@@ -21,13 +21,15 @@ class StoredCapture:
         folder: Where it lies.
         capture: Place, time, pose and license.
         grid: How its tiles lie in the panorama, or None for one whole picture.
+        views: How its overlapping views lie in the world; () for tiles or one whole picture.
         files: Name in the folder -> SHA-256. "image.jpg" (or another suffix) for a whole
-            picture, "tiles/COLUMN_ROW.jpg" for tiles.
+            picture, "tiles/COLUMN_ROW.jpg" for tiles, "views/NUMBER.jpg" for views.
     """
 
     folder: Path
     capture: Capture
     grid: TileGrid | None = None
+    views: tuple[View, ...] = ()
     files: Mapping[str, str]
 
     def read(self, name: str) -> bytes:
@@ -58,16 +60,16 @@ def write_capture(stored: StoredCapture, raw: Any = None) -> None:
         stored: The capture.
         raw: The provider's own description, kept as it came.
     """
-    write_json(
-        stored.folder / RECORD,
-        {
-            "schema": SCHEMA,
-            "capture": stored.capture.to_json(),
-            "grid": stored.grid and stored.grid.to_json(),
-            "files": dict(stored.files),
-            "raw": raw,
-        },
-    )
+    record = {
+        "schema": SCHEMA,
+        "capture": stored.capture.to_json(),
+        "grid": stored.grid and stored.grid.to_json(),
+        "files": dict(stored.files),
+        "raw": raw,
+    }
+    if stored.views:
+        record["views"] = [view.to_json() for view in stored.views]
+    write_json(stored.folder / RECORD, record)
 
 
 def read_capture(folder: Path) -> StoredCapture:
@@ -87,5 +89,6 @@ def read_capture(folder: Path) -> StoredCapture:
         folder=folder,
         capture=Capture.from_json(record["capture"]),
         grid=TileGrid.from_json(record["grid"]) if record["grid"] else None,
+        views=tuple(View.from_json(view) for view in record.get("views", ())),
         files=record["files"],
     )

@@ -6,9 +6,9 @@ from urllib.parse import urlsplit
 from panokit.console import Console
 from panokit.errors import RecordError, Rejection
 from panokit.fetch import FetchEvent, FetchResult, FetchSettings, fetch
-from panokit.fetch.places import places_of
 from panokit.fetch.result import PERMANENT_REASONS
 from panokit.fetch.settings import VERSION
+from panokit.fetch.where import total_wanted
 from panokit.io.captures import RECORD, StoredCapture, read_capture
 from panokit.io.files import read_json, write_json
 from panokit.ledger import Ledger
@@ -59,7 +59,7 @@ def fetch_into(settings: FetchSettings, run: RunFolder, console: Console) -> Fet
     """Fetch into a run folder, with progress, log and ledger."""
     ledger = Ledger(run.ledger)
     known = {r.item for r in ledger.rejections("fetch") if r.reason in PERMANENT_REASONS}
-    total = None if settings.source == "folder" else settings.count * len(places_of(settings))
+    total = total_wanted(settings)
     with console.stage("fetch", total) as tick:
 
         def report(event: FetchEvent) -> None:

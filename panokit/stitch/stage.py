@@ -37,6 +37,13 @@ def stitch(stored: StoredCapture, settings: StitchSettings | None = None) -> Pan
         StorageError: If a file cannot be read.
     """
     settings = settings or StitchSettings()
+    if stored.views:
+        raise ImageError(
+            f"The capture {stored.capture.id} is {len(stored.views)} overlapping views. This "
+            "version of panokit stitches tiles and whole panoramas; keep the capture, its record "
+            "holds the pose of each view for a version that can.",
+            reason="views",
+        )
     if stored.grid is None:
         pixels, valid, found = _single_picture(stored, settings.width_px)
     else:

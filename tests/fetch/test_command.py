@@ -2,8 +2,6 @@
 
 import json
 
-import pytest
-
 from panokit.cli.main import main
 from tests.fetch.conftest import KEY
 
@@ -39,13 +37,33 @@ def test_nothing_found_is_no_rejected_panorama(server, tmp_path, capsys):
     assert "a larger radius" in line
 
 
-@pytest.mark.parametrize(("tiles_a_day", "says"), [(15_000, False), (3, True)])
-def test_days_are_told_where_there_are_any(
-    server, tmp_path, capsys, monkeypatch, tiles_a_day, says
-):
-    monkeypatch.setattr("panokit.fetch.google_tiles.GoogleTiles.files_per_day", tiles_a_day)
-    assert typed(server, tmp_path, *BOX, "--count", "2", "--dry-run") == 0
-    assert ("days" in capsys.readouterr().out) == says
+def test_a_dry_run_says_what_it_would_take(server, tmp_path, capsys):
+    table = tmp_path / "prices.toml"
+    table.write_text(
+        '[google-tiles]\nunit = "tile"\nusd_per_1000 = 500.0\nfree_per_month = 4\nper_day = 3\n'
+    )
+    out = tmp_path / "run"
+    assert typed(server, out, *BOX, "--count", "4", "--dry-run", "--prices", str(table)) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "Fetching from google-tiles would take:",
+        "  panoramas       4",
+        "  tiles           8",
+        "  requests        8, and 7 already made to search",
+        "  daily quota     266.7% of the usual one",
+        "  time at quota   3 days",
+        "  download        about 216.3 kB",
+        "  cost            4.00 USD by list price; 2.00 USD if this month's",
+        "                  4 free tiles are still there",
+    ]
+    assert not out.exists()
+
+
+def test_what_costs_nothing_says_so(server, tmp_path, capsys):
+    command = ["fetch", "--endpoint", server.url, *BOX, "--count", "4", "--dry-run"]
+    assert main([*command, "--out", str(tmp_path / "run")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[-1] == "  cost            nothing"
+    assert not [line for line in lines if "quota" in line or "tiles" in line]
 
 
 def test_a_wrong_key_is_told_in_whole_sentences(server, tmp_path, capsys, monkeypatch):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from panokit.capture import TileGrid, TimePrecision
-from panokit.errors import AuthError, ImageError, ItemError, LicenseError
+from panokit.errors import AuthError, ImageError, ItemError, LicenseError, NetworkError
 from panokit.fetch import FetchSettings
 from panokit.fetch.google_tiles import GoogleTiles, check_tile, parse_ids, parse_metadata
 from panokit.http import Client
@@ -68,9 +68,17 @@ def test_metadata_without_a_size_is_a_bad_item(body):
     assert caught.value.reason == "bad-metadata"
 
 
-def test_ids_leave_out_points_without_a_panorama():
-    ids = parse_ids((DATA / "google_pano_ids.json").read_bytes())
-    assert ids == ["jGaYvr31o-KsarHZtXbc5w", "m9Kxq1YiydHXKrVLtggrFA", "jGaYvr31o-KsarHZtXbc5w"]
+def test_ids_come_in_the_order_of_the_points():
+    one, other = "jGaYvr31o-KsarHZtXbc5w", "m9Kxq1YiydHXKrVLtggrFA"
+    body = (DATA / "google_pano_ids.json").read_bytes()
+    assert parse_ids(body, 4) == [one, other, "", one]
+    assert parse_ids(b"{}", 2) == ["", ""]
+
+
+@pytest.mark.parametrize("body", [b'{"panoIds": ["x"]}', b"[]", b'{"error": "no"}'])
+def test_a_reply_that_does_not_fit_the_points_is_none(body):
+    with pytest.raises(NetworkError, match="2 ids"):
+        parse_ids(body, 2)
 
 
 def test_a_tile_may_be_full_cropped_or_small_but_not_broken():

@@ -9,7 +9,8 @@ import pytest
 from panokit.errors import PlaceError
 from panokit.fetch import FetchSettings, PlaceSettings, find_city
 from panokit.fetch.geodesy import offset
-from panokit.fetch.places import box, disc, places_of
+from panokit.fetch.places import box, disc
+from panokit.fetch.where import places_of
 
 TABLE = list(
     csv.DictReader(files("panokit.fetch").joinpath("cities.csv").read_text("utf-8").splitlines())

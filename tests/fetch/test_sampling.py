@@ -6,8 +6,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from panokit.fetch.cities import find_city
 from panokit.fetch.geodesy import distance_m, east_north_m, offset
-from panokit.fetch.places import box, disc, find_city
+from panokit.fetch.places import box, disc
 from panokit.fetch.sampling import sample_points
 
 BRISTOL = find_city("Bristol, GB")

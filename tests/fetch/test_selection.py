@@ -34,7 +34,6 @@ class Shelf:
     """A provider that offers the same things at every call."""
 
     usd_per_file = 0.0
-    files_per_day = None
 
     def __init__(self, *things, may_store=False):
         self.things, self.may_store, self.asked = things, may_store, 0

@@ -6,8 +6,8 @@ import pytest
 from pydantic import ValidationError
 
 from panokit.fetch import FetchSettings
-from panokit.fetch.places import places_of
 from panokit.fetch.sources import SOURCES
+from panokit.fetch.where import places_of
 
 CITY_LISTS = sorted((Path(__file__).parents[2] / "pipelines" / "cities").glob("*.txt"))
 

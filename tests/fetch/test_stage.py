@@ -176,14 +176,15 @@ def test_a_place_without_pictures_is_rejected_and_the_next_goes_on(server, tmp_p
 
 
 def test_a_dry_run_says_what_it_would_take(server, tmp_path):
-    result = fetch(google(server, dry_run=True, usd_per_1000_tiles=2.0), tmp_path)
+    result = fetch(google(server, dry_run=True), tmp_path)
     assert folders(tmp_path) == set()
     assert tiles_asked(server) == 0
     real = fetch(google(server), tmp_path)
     tiles = sum(len(one.files) for one in real.stored)
     assert (result.plan.panoramas, result.plan.files) == (4, tiles)
     assert result.plan.cost_usd == pytest.approx(tiles * 0.002)
-    assert result.plan.days_at_quota == pytest.approx(tiles / 15000)
+    assert result.plan.quota_share == pytest.approx(tiles / 15000)
+    assert (result.plan.days_at_quota, result.plan.unit) == (1, "tile")
     assert result.plan.bytes > 0
     assert real.plan is None
 
