@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from panokit.errors import MissingExtraError, PanokitError
 from panokit.frames import TOOL_FROM_PANOKIT
+from panokit.io.adapters.mitsuba import pad_columns
+from panokit.io.adapters.nodes import rows_from_pole_to_pole
 
 VARIANTS = ("llvm_ad_rgb", "scalar_rgb")
 _PROBE_SECONDS = 120
@@ -122,7 +124,7 @@ def environment_emitter(radiance: NDArray[np.floating[Any]]) -> dict[str, Any]:
     turned[:3, :3] = TOOL_FROM_PANOKIT["mitsuba"].matrix
     return {
         "type": "envmap",
-        "bitmap": mitsuba.Bitmap(_pole_inclusive(np.asarray(radiance, np.float32))),
+        "bitmap": mitsuba.Bitmap(rows_from_pole_to_pole(radiance)),
         "to_world": mitsuba.ScalarTransform4f(turned),
     }
 
@@ -136,17 +138,4 @@ def environment_parameter(radiance: NDArray[np.floating[Any]]) -> NDArray[np.flo
     Returns:
         (H, W + 2, 3) float32.
     """
-    rows = _pole_inclusive(np.asarray(radiance, np.float32))
-    return np.concatenate([rows[:, -1:], rows, rows[:, :1]], axis=1)
-
-
-def _pole_inclusive(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
-    """The same map with its first row at the zenith and its last at the nadir.
-
-    panokit's rows have their centers half a row inside; Mitsuba's begin and end at the poles.
-    """
-    height = radiance.shape[0]
-    row = np.arange(height) / (height - 1) * height - 0.5
-    above = np.clip(np.floor(row).astype(int), 0, height - 2)
-    share = np.clip(row - above, 0, 1).astype(np.float32)[:, None, None]
-    return np.ascontiguousarray(radiance[above] * (1 - share) + radiance[above + 1] * share)
+    return pad_columns(rows_from_pole_to_pole(radiance))

@@ -153,13 +153,21 @@ def write_panorama(panorama: Panorama, path: Path, *, quality: int = 95, key: st
     )
 
 
-def read_environment_map(path: Path, *, repair: bool = False) -> EnvironmentMap:
+def read_environment_map(
+    path: Path,
+    *,
+    repair: bool = False,
+    layer: str | None = None,
+    part: int | str | None = None,
+) -> EnvironmentMap:
     """An environment map from an .exr or .hdr file.
 
     Args:
         path: The file; its record, if there is one, tells frame, anchor and provenance.
         repair: Clean values that are not physical instead of refusing them: NaN and negative
             become 0, infinite becomes the largest finite value.
+        layer: Of an EXR with several layers, the one to read.
+        part: Of an EXR with several parts, the one to read, by number or name.
 
     Raises:
         ImageError: If the map cannot be used, with the reason.
@@ -169,14 +177,14 @@ def read_environment_map(path: Path, *, repair: bool = False) -> EnvironmentMap:
     suffix = path.suffix.lower()
     attributes: dict[str, str] = {}
     if suffix == ".exr":
-        radiance, attributes = read_exr(path)
+        radiance, attributes = read_exr(path, layer=layer, part=part, repair=repair)
     elif suffix == ".hdr":
         radiance = read_radiance(path)
     else:
         hint = "Expand it first with `panokit expand`." if suffix in LDR_SUFFIXES else ""
         raise ImageError(f"{path} is not an .exr or .hdr map. {hint}".strip(), reason="not-hdr")
     if repair:
-        radiance = _repaired(radiance)
+        radiance = np.maximum(radiance, 0)
     record = _record_of(path, MAP_SCHEMA) or {}
     capture = record.get("capture")
     try:
@@ -238,12 +246,6 @@ def _attributes(envmap: EnvironmentMap) -> dict[str, Any]:
         attributes["capDate"] = capture.time.strftime("%Y:%m:%d %H:%M:%S")
         attributes["utcOffset"] = 0.0
     return attributes
-
-
-def _repaired(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
-    finite = radiance[np.isfinite(radiance)]
-    top = float(finite.max()) if finite.size else 0.0
-    return np.maximum(np.nan_to_num(radiance, nan=0.0, posinf=top, neginf=0.0), 0)
 
 
 def _record_of(path: Path, schema: str) -> dict[str, Any] | None:
