@@ -16,13 +16,55 @@ solid_angle  how much of the sphere each row of pixels covers
 resample     rotate and resize radiance without losing energy
 irradiance   what a surface receives; energy
 energy_ledger  what a step did to the energy
-sources      connected bright regions, across the seam and the poles
+sources      connected bright regions, across the seam and the poles; burnt-out pixels
+lights       sun, windows, lamps: the lights of a map, or that none dominates
+gaussians    a map as a few smooth lobes
+harmonics    real spherical harmonics with +Y up; their rotation and filters
+blur         the von Mises-Fisher blur
 """
 
+from panokit.sphere.blur import blur_radiance
 from panokit.sphere.cubemap import Cubemap, cubemap_directions, join_faces, split_faces
 from panokit.sphere.energy_ledger import EnergyLedger, energy_ledger
 from panokit.sphere.equirect import Equirectangular, equirect_directions, equirect_pixel
-from panokit.sphere.irradiance import energy, irradiance, irradiance_map, light_vector
+from panokit.sphere.gaussians import (
+    GaussianFit,
+    evaluate_gaussians,
+    fit_gaussians,
+    gaussians_irradiance,
+    lobe_integral,
+)
+from panokit.sphere.harmonics import (
+    evaluate_harmonics,
+    harmonics_basis,
+    harmonics_degrees,
+    harmonics_map,
+    harmonics_order,
+    project_harmonics,
+)
+from panokit.sphere.harmonics_filters import (
+    cosine_factors,
+    irradiance_harmonics,
+    nonnegative_harmonics,
+    vmf_factors,
+    window_harmonics,
+)
+from panokit.sphere.harmonics_rotation import (
+    harmonics_for_tool,
+    harmonics_from_tool,
+    rotate_harmonics,
+    rotation_matrices,
+    shader_polynomial,
+)
+from panokit.sphere.irradiance import (
+    energy,
+    irradiance,
+    irradiance_map,
+    light_parcels,
+    light_vector,
+    mean_chromaticity,
+)
+from panokit.sphere.lights import Light, LightList, find_lights
 from panokit.sphere.octahedral import Octahedral
 from panokit.sphere.perspective import Perspective, perspective_directions
 from panokit.sphere.pixel_map import PixelMap, apply_map, pixel_map
@@ -33,7 +75,7 @@ from panokit.sphere.reproject import cubemap_faces, perspective_view, reproject
 from panokit.sphere.resample import resize, resize_radiance, rotate, rotate_radiance
 from panokit.sphere.sampling import rotate_pixels, sample
 from panokit.sphere.solid_angle import pixel_solid_angles, row_solid_angles
-from panokit.sphere.sources import label_regions
+from panokit.sphere.sources import label_regions, saturated_mask
 
 __all__ = [
     "ANGULAR",
@@ -43,34 +85,62 @@ __all__ = [
     "Cubemap",
     "EnergyLedger",
     "Equirectangular",
+    "GaussianFit",
+    "Light",
+    "LightList",
     "Octahedral",
     "Perspective",
     "PixelMap",
     "Projection",
     "apply_map",
+    "blur_radiance",
+    "cosine_factors",
     "cubemap_directions",
     "cubemap_faces",
     "energy",
     "energy_ledger",
     "equirect_directions",
     "equirect_pixel",
+    "evaluate_gaussians",
+    "evaluate_harmonics",
+    "find_lights",
+    "fit_gaussians",
+    "gaussians_irradiance",
+    "harmonics_basis",
+    "harmonics_degrees",
+    "harmonics_for_tool",
+    "harmonics_from_tool",
+    "harmonics_map",
+    "harmonics_order",
     "irradiance",
+    "irradiance_harmonics",
     "irradiance_map",
     "join_faces",
     "label_regions",
+    "light_parcels",
     "light_vector",
+    "lobe_integral",
+    "mean_chromaticity",
+    "nonnegative_harmonics",
     "perspective_directions",
     "perspective_view",
     "pixel_grid",
     "pixel_map",
     "pixel_solid_angles",
+    "project_harmonics",
     "reproject",
     "resize",
     "resize_radiance",
     "rotate",
+    "rotate_harmonics",
     "rotate_pixels",
     "rotate_radiance",
+    "rotation_matrices",
     "row_solid_angles",
     "sample",
+    "saturated_mask",
+    "shader_polynomial",
     "split_faces",
+    "vmf_factors",
+    "window_harmonics",
 ]

@@ -205,13 +205,14 @@ def _row_functions(height: int, order: int) -> list[NDArray[np.float64]]:
 
 def _half_pixel(order: int, width: int) -> NDArray[np.complex128]:
     """The turn between a column's edge, where the Fourier transform counts from, and middle."""
-    return np.exp(1j * np.pi / width * np.arange(order + 1))
+    return np.asarray(np.exp(1j * np.pi / width * np.arange(order + 1)), np.complex128)
 
 
 def _fejer_weights(height: int) -> NDArray[np.float64]:
     theta = (np.arange(height) + 0.5) * (np.pi / height)
     k = np.arange(1, (height - 1) // 2 + 1)
-    return (1 - 2 * (np.cos(2 * np.outer(theta, k)) / (4 * k * k - 1)).sum(axis=1)) * (2 / height)
+    sums = (np.cos(2 * np.outer(theta, k)) / (4 * k * k - 1)).sum(axis=1)
+    return np.asarray((1 - 2 * sums) * (2 / height), np.float64)
 
 
 def _check_order(order: int) -> None:

@@ -99,7 +99,7 @@ def window_harmonics(
         factors = np.where(degree < width, np.sinc(degree / width), 0.0)
     else:
         raise UsageError(f"Unknown window {window!r}: choose hann, lanczos or gauss.")
-    return coefficients * factors[harmonics_degrees(order), None]
+    return np.asarray(coefficients * factors[harmonics_degrees(order), None], np.float64)
 
 
 def nonnegative_harmonics(coefficients: NDArray[np.floating[Any]]) -> tuple[Coefficients, float]:

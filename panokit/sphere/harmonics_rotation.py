@@ -107,7 +107,8 @@ def shader_polynomial(
     turned *= (cosine_factors(2)[harmonics_degrees(2)] / np.pi)[:, None]
     one, axis, mixed = np.sqrt(np.array([1, 3, 15]) / (4 * np.pi))
     flat = np.sqrt(5 / (16 * np.pi))
-    return turned * np.array([one, *[axis] * 3, mixed, mixed, flat, mixed, mixed / 2])[:, None]
+    factors = np.array([one, *[axis] * 3, mixed, mixed, flat, mixed, mixed / 2])
+    return np.asarray(turned * factors[:, None], np.float64)
 
 
 def _tool_axes(tool: str) -> Rotation:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.color.luminance import luminance
+from panokit.color.temperature import chromaticity
 from panokit.errors import ImageError, UsageError
 from panokit.sphere.equirect import equirect_directions
 from panokit.sphere.solid_angle import row_solid_angles
@@ -43,6 +44,18 @@ def light_vector(radiance: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
     weighted = luminance(radiance) * row_solid_angles(height, width)[:, None]
     directions = equirect_directions(width, height)
     return np.asarray(np.tensordot(weighted, directions, axes=([0, 1], [0, 1])), np.float64)
+
+
+def mean_chromaticity(radiance: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
+    """The CIE 1931 (x, y) of a map's light as a whole, weighted by energy; NaN for a black map.
+
+    Bright sources count by what they give, not by how many pixels they cover. Pass `energy`
+    of the map to `color.color_temperature` for how warm that is.
+
+    Returns:
+        (2,) float64.
+    """
+    return chromaticity(energy(radiance))
 
 
 def irradiance(

@@ -6,6 +6,15 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from panokit.equirectangular import check_equirectangular
+from panokit.errors import ImageError
+from panokit.sphere.solid_angle import pixel_solid_angles
+
+# The rim of a burnt-out region counts if the region is burnt out by this share at least.
+_CORE_SHARE = 0.1
+# As large as a disk of 2 degrees radius: a brake light a meter away.
+_SMALL_SR = 0.004
+
 
 def label_regions(mask: NDArray[np.bool_]) -> tuple[NDArray[np.int32], int]:
     """Number the connected regions of a mask, also across the seam and over the poles.
@@ -39,3 +48,41 @@ def _touching(a: NDArray[np.int32], b: NDArray[np.int32]) -> NDArray[np.int32]:
     met = [(a, b), (a[1:], b[:-1]), (a[:-1], b[1:])]
     pairs = np.concatenate([np.stack(pair) for pair in met], axis=1)
     return pairs[:, (pairs > 0).all(axis=0)]
+
+
+def saturated_mask(pixels: NDArray[np.uint8], level: int = 250) -> NDArray[np.bool_]:
+    """Where a display-encoded picture is burnt out, lamps of any color but no blue sky.
+
+    One channel alone does not tell. All three at the limit misses sodium lamps, whose blue
+    never gets there; any one at the limit takes a blue sky for a lamp. So: a pixel with two
+    channels at the limit is burnt out, since what is left of its hue cannot be read. One
+    with a single channel counts if it borders on those, within a region that they make up
+    at least a tenth of: the rim of a lamp. A region with one channel only counts if it is
+    small, and not because of blue: a brake light.
+
+    Args:
+        pixels: (H, W, 3) uint8, equirectangular, sRGB-encoded.
+        level: A channel from here up is at the limit.
+
+    Returns:
+        (H, W) bool.
+    """
+    check_equirectangular(pixels)
+    if pixels.dtype != np.uint8:
+        raise ImageError(
+            f"Burnt-out pixels are sought in uint8 pictures, not {pixels.dtype}. Encode the "
+            "picture first; in radiance, use find_lights.",
+            reason="wrong-dtype",
+        )
+    full = pixels >= level
+    core = np.count_nonzero(full, axis=2) >= 2
+    labels, count = label_regions(full.any(axis=2))
+    solid_angles = pixel_solid_angles(*core.shape)
+    area = np.bincount(labels.ravel(), solid_angles.ravel(), count + 1)
+    burnt = np.bincount(labels.ravel(), (solid_angles * core).ravel(), count + 1)
+    blue_only = full[..., 2] & ~full[..., 0] & ~full[..., 1]
+    blue = np.bincount(labels.ravel(), (solid_angles * blue_only).ravel(), count + 1)
+    lamp = burnt >= _CORE_SHARE * area
+    lamp |= (area <= _SMALL_SR) & (blue < 0.5 * area)
+    lamp[0] = False
+    return np.asarray(core | lamp[labels])
