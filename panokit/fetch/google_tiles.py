@@ -36,6 +36,7 @@ ENDPOINT = "https://tile.googleapis.com"
 MAX_LOCATIONS = 100
 _RADII_M = (50.0, 200.0)  # the second for points that have nothing within the first
 _BYTES_PER_PIXEL = 0.15
+_SMALL_BODIES = 3  # so many of lower resolution in a row are what the service has
 
 
 class GoogleTiles:
@@ -65,18 +66,18 @@ class GoogleTiles:
     def read(self, found: Found, name: str) -> bytes:
         """One tile: a full one, or one cropped at the picture's edge.
 
-        A tile of lower resolution is asked for once more, as that passes; if it comes again
-        it is taken, for `stitch` enlarges it. Whether a black tile is night or a fault only
-        its neighbors can tell, which is for `stitch` too.
+        A tile of lower resolution is asked for again, as that passes; if it comes every time
+        it is taken, for `stitch` enlarges it.
         """
         grid = found.grid
         if grid is None:
             raise ItemError(f"{found.capture.id} has no tiles.", reason="no-tiles")
         column, row = (int(part) for part in re.findall(r"\d+", name))
-        first = self._tile(found, grid, column, row)
-        if _is_of_full_resolution(first, grid, column, row):
-            return first
-        return self._tile(found, grid, column, row)
+        for _ in range(_SMALL_BODIES):
+            body = self._tile(found, grid, column, row)
+            if _is_of_full_resolution(body, grid, column, row):
+                return body
+        return body
 
     def _tile(self, found: Found, grid: TileGrid, column: int, row: int) -> bytes:
         what = f"tile {column}, {row} of {found.capture.id}"

@@ -3,16 +3,25 @@
 from collections import deque
 from collections.abc import Generator, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
-from panokit.errors import AuthError, ItemError, NetworkError, QuotaError, Rejection
+from panokit.errors import (
+    AuthError,
+    ItemError,
+    NetworkError,
+    OutageError,
+    QuotaError,
+    Rejection,
+)
 from panokit.fetch.provider import Found, Provider
 from panokit.fetch.settings import FetchSettings
 from panokit.fetch.store import Download
 from panokit.http import Client
 from panokit.io.captures import StoredCapture
 
-_NETWORK_FAILURES_IN_A_ROW = 3
+# Not fewer: a handful of broken pictures must not keep every run from the ones behind them.
+_NETWORK_FAILURES_IN_A_ROW = 8
 
 
 class Transfer:
@@ -95,7 +104,20 @@ class Transfer:
             files = outstanding + len(candidate.files)
             self._client.budget.check(files, files * self._provider.usd_per_file)
             folder = self._captures / candidate.capture.key
-            self._under_way.append(Download(candidate, folder, self._provider, executor))
+            guarded = self._settings.source != "folder"  # the user's own pictures may be black
+            download = Download(
+                self._clean(candidate), folder, self._provider, executor, guarded=guarded
+            )
+            self._under_way.append(download)
+
+    def _clean(self, found: Found) -> Found:
+        """The picture without credentials, which a server may well echo in what it says of it."""
+        capture = replace(
+            found.capture,
+            details=self._client.redact_json(found.capture.details),
+            source_url=self._client.redact(found.capture.source_url),
+        )
+        return replace(found, capture=capture, raw=self._client.redact_json(found.raw))
 
     def _finish_oldest(self) -> StoredCapture | Rejection:
         """Wait for the picture begun first; it leaves the queue unless the run must end."""
@@ -108,7 +130,7 @@ class Transfer:
         except ItemError as error:
             download.cancel()
             outcome = Rejection.from_error(key, "fetch", error)
-        except (AuthError, QuotaError):
+        except (AuthError, QuotaError, OutageError):
             raise
         except NetworkError as error:
             self._network_failures += 1

@@ -1,17 +1,20 @@
 """The whole stage against the look-alike services, over real HTTP."""
 
 import threading
+from dataclasses import replace
 
 import pytest
 
-from panokit.errors import LicenseError, NetworkError, QuotaError, StorageError
+from panokit.errors import LicenseError, NetworkError, OutageError, QuotaError, StorageError
 from panokit.fetch import PlaceSettings, fetch
 from panokit.http import Client, Policy
 from panokit.io import read_capture
 from panokit.io.captures import RECORD
 from panokit.io.files import read_json, write_bytes
+from panokit.synthetic.fault_language import parse_faults
 from panokit.synthetic.faults import Faults, Trouble
-from tests.fetch.conftest import STREET, WIDTHS_PX, folders, google, panoramax
+from panokit.synthetic.google_tiles import GoogleTiles
+from tests.fetch.conftest import KEY, STREET, WIDTHS_PX, folders, google, panoramax
 
 SMALL = "pano-3328"
 NOWHERE = PlaceSettings(name="Nowhere", latitude_deg=-40, longitude_deg=-100)
@@ -125,10 +128,10 @@ def test_odd_servers(server, tmp_path, faults):
     assert result.rejections == ()
 
 
-def test_a_small_tile_is_asked_for_once_more(server, tmp_path):
+def test_a_small_tile_is_asked_for_twice_more(server, tmp_path):
     server.set_faults(Faults(tile_body_px=256))
     result = fetch(google(server, count=1), tmp_path)
-    assert tiles_asked(server) == 2 * len(result.stored[0].files)
+    assert tiles_asked(server) == 3 * len(result.stored[0].files)
 
 
 def test_a_missing_tile_rejects_its_panorama(server, tmp_path):
@@ -274,3 +277,68 @@ def test_a_file_where_the_run_should_go(server, tmp_path):
     (tmp_path / "run").write_text("")
     with pytest.raises(StorageError):
         fetch(google(server), tmp_path / "run")
+
+
+def test_a_black_tile_is_a_tile_that_cannot_be_had(server, tmp_path):
+    server.set_faults(Faults(black_tiles=frozenset({(2, 3, 1)})))
+    result = fetch(google(server), tmp_path)
+    assert [one.capture.width_px for one in result.stored] == [5376]
+    assert {one.values["cause"] for one in result.rejections} == {"black-tile"}
+    assert result.verdicts == ()
+    assert incomplete(tmp_path) == []
+
+
+def test_or_a_hole_too(server, tmp_path):
+    server.set_faults(Faults(black_tiles=frozenset({(2, 3, 1)})))
+    result = fetch(google(server, allow_missing=True), tmp_path)
+    holes = {one.capture.width_px: read_capture(one.folder).grid.missing for one in result.stored}
+    assert holes[16384] == ((3, 1),)
+    assert not (result.stored[0].folder / "tiles/3_1.jpg").exists()
+
+
+def test_a_tile_that_is_black_for_a_moment_is_asked_for_again(server, tmp_path):
+    calm = fetch(google(server), tmp_path / "calm")
+    server.set_faults(parse_faults("black 10% first=1 at=/tiles/, seed=1"))
+    rough = fetch(google(server), tmp_path / "rough")
+    assert server.faults_met["black"] > 2
+    assert [one.files for one in rough.stored] == [one.files for one in calm.stored]
+
+
+def test_metadata_that_promises_too_much_is_noticed(server, tmp_path, monkeypatch):
+    # The service says 16384 px and has 13312: black bars at the right and at the foot.
+    lies = {"imageWidth": 16384, "imageHeight": 8192}
+    honest = GoogleTiles._description
+    monkeypatch.setattr(
+        GoogleTiles, "_description", lambda *args, **more: honest(*args, **more) | lies
+    )
+    near = STREET.model_copy(update={"latitude_deg": 48.501, "radius_m": 20})
+    result = fetch(google(server, places=(near,), count=1), tmp_path)
+    assert result.stored == ()
+    assert [one.reason for one in result.rejections] == ["black-columns", "no-imagery"]
+    assert result.verdicts == ()
+
+
+def test_a_key_that_the_server_echoes_is_not_kept(server, tmp_path, monkeypatch):
+    honest = GoogleTiles._description
+    monkeypatch.setattr(
+        GoogleTiles,
+        "_description",
+        lambda *args, **more: honest(*args, **more) | {"reportProblemLink": f"https://x/?k={KEY}"},
+    )
+    fetch(google(server), tmp_path)
+    for path in tmp_path.rglob("*"):
+        assert not path.is_file() or KEY.encode() not in path.read_bytes(), path
+
+
+def test_a_broken_picture_does_not_end_the_run_and_an_outage_does(server, tmp_path):
+    quick = Policy(attempts=2, first_delay_s=0.01, rate_per_s=1000, failures_in_a_row=1000)
+    server.set_faults(parse_faults("500 100% at=/tiles/2/3/"))
+    with Client(quick) as client:
+        result = fetch(google(server), tmp_path, client=client)
+    assert {one.reason for one in result.rejections} == {"network"}
+    assert len(result.stored) == 1
+    server.set_faults(parse_faults("html 100% at=/tiles/"))
+    down = replace(quick, attempts=50, outage_pauses_s=(0.1,))
+    with Client(down) as client, pytest.raises(OutageError, match="browser"):
+        fetch(google(server), tmp_path, client=client)
+    assert incomplete(tmp_path) == []
