@@ -15,6 +15,12 @@ from urllib.parse import parse_qsl, urlencode, urljoin, urlsplit, urlunsplit
 
 import requests
 from requests import exceptions
+from urllib3.exceptions import (
+    DecodeError,
+    HTTPError,
+    ProtocolError,
+    ReadTimeoutError,
+)
 
 from panokit.http.failures import Failure, FailureKind
 from panokit.http.messages import Reply, Request, public_url
@@ -54,7 +60,7 @@ class Transport:
             return _unreachable("bad-address", "it is not a web address")
         except _BadRedirectError as error:
             return _unreachable("bad-redirect", str(error))
-        except (exceptions.RequestException, OSError) as error:
+        except (exceptions.RequestException, HTTPError, OSError) as error:
             # Told by its kind only: the text of these errors holds the whole URL.
             reason, message = _network_trouble(error)
             return Failure(kind=FailureKind.TRANSIENT, reason=reason, message=message)
@@ -115,7 +121,8 @@ class Transport:
 
     def _read(self, response: requests.Response, deadline_s: float) -> bytes:
         chunks, total = [], 0
-        for chunk in response.iter_content(_CHUNK_BYTES):
+        # Whatever has come, not a full chunk: a trickle must not get past the deadline.
+        while chunk := response.raw.read1(_CHUNK_BYTES, decode_content=True):
             chunks.append(chunk)
             total += len(chunk)
             if total > self._policy.max_body_bytes:
@@ -174,11 +181,17 @@ def _network_trouble(error: Exception) -> tuple[str, str]:
     troubles: list[tuple[type[Exception], str, str]] = [
         (exceptions.ConnectTimeout, NO_CONNECTION, "the server does not answer"),
         (exceptions.Timeout, "slow", "the server is too slow"),
+        (ReadTimeoutError, "slow", "the server is too slow"),
+        (ProtocolError, "truncated", "the answer ended early"),
+        (DecodeError, "damaged", "the answer is damaged"),
         (exceptions.ChunkedEncodingError, "truncated", "the answer ended early"),
         (exceptions.ContentDecodingError, "damaged", "the answer is damaged or too large"),
         (exceptions.ProxyError, NO_CONNECTION, "the proxy does not answer"),
         (exceptions.ConnectionError, NO_CONNECTION, "no connection"),
     ]
+    if error.args and isinstance(error.args[0], ProtocolError):
+        # The connection stood, so that there is somebody who may answer the next time.
+        return "reset", "the connection was cut"
     for kind, reason, message in troubles:
         if isinstance(error, kind):
             return reason, message

@@ -15,7 +15,11 @@ from panokit.errors import (
     QuotaError,
     UsageError,
 )
-from panokit.http import Budget, Client, Policy, Request
+from panokit.http import Budget, Client, Policy, Reply, Request
+from panokit.http.client import _body_failure
+from panokit.http.redact import Redactor
+from panokit.http.transport import Transport
+from panokit.synthetic import StreetServer, embedded_city, parse_faults
 from tests.http.conftest import Answer
 
 GOOD = Answer(body=b'{"ok": true}')
@@ -182,6 +186,27 @@ def test_a_slow_server_is_a_passing_trouble(new_server):
     policy = Policy(read_timeout_s=0.2, first_delay_s=0.01)
     with Client(policy) as client:
         assert client.send(Request(url=server.url)).json() == {"ok": True}
+
+
+@pytest.mark.parametrize(
+    ("faults", "reason"),
+    [
+        ("slow 100% seconds=60", "slow"),
+        ("truncated 100%", "truncated"),
+        ("reset 100%", "reset"),
+        ("empty 100%", "wrong-body"),
+    ],
+)
+def test_each_kind_of_breaking_off_has_its_reason(faults, reason, quick):
+    faults = parse_faults(faults)
+    with StreetServer(embedded_city(), faults=faults) as street:
+        transport = Transport(replace(quick, total_timeout_s=0.5), Redactor(), "test")
+        start_s = time.monotonic()
+        outcome = transport.exchange(Request(url=f"{street.url}/api/configuration"))
+        if isinstance(outcome, Reply):
+            outcome = _body_failure(Request(url=""), outcome.headers, outcome.body)
+    assert outcome.reason == reason
+    assert time.monotonic() - start_s < 10, "a trickle got past the deadline"
 
 
 def test_what_is_no_address_is_a_usage_error(quick):
