@@ -42,6 +42,7 @@ _GROUPS = {
             "show": ("probes:show", "All that is known of one probe"),
             "verify": ("probes:verify", "Read and hash every probe again"),
             "reindex": ("probes:reindex", "Build the index from the records"),
+            "pull": ("pull:pull", "Pull HDR maps of Poly Haven (CC0)"),
         },
     ),
     "models": (
@@ -63,7 +64,7 @@ def build_app() -> App:
         name="panokit",
         help="HDR light probes from street panoramas.",
         version=__version__,
-        default_parameter=Parameter(negative_iterable=()),
+        default_parameter=Parameter(negative_iterable=(), show_default=_default_text),
         suppress_keyboard_interrupt=False,  # `main` says what is kept
     )
     order = count()
@@ -75,6 +76,13 @@ def build_app() -> App:
             group.command(f"panokit.cli.{place}", name=inner, help=inner_text)
         app.command(group)
     return app
+
+
+def _default_text(value: object) -> str | None:
+    """A default as --help shows it; one that says nothing ("no", "none", "all") is left out."""
+    if value is None or value is False or value in ("", (), []):
+        return None
+    return " ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

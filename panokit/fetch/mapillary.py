@@ -15,8 +15,6 @@ from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-import numpy as np
-
 from panokit.capture import Capture, TimePrecision, license_from_spdx
 from panokit.errors import AuthError, ItemError, NetworkError, Rejection
 from panokit.fetch.cells import Bbox, Listing
@@ -27,8 +25,8 @@ from panokit.fetch.places import Place
 from panokit.fetch.provider import Found
 from panokit.fetch.settings import FetchSettings
 from panokit.fetch.where import ids_of
-from panokit.frames import Rotation
 from panokit.http import Client, Request
+from panokit.poses import from_mapillary, to_gpano
 
 ENDPOINT = "https://graph.mapillary.com"
 TOKEN_VARIABLE = "MAPILLARY_TOKEN"
@@ -249,27 +247,15 @@ def is_expired(address: str, now_s: float) -> bool:
 def _pose(image: Mapping[str, Any]) -> tuple[float | None, float | None, float | None]:
     """Heading, pitch and roll in degrees; pitch and roll only where they were computed."""
     rotation = image.get("computed_rotation")
+    # Records whose reconstruction failed have no rotation, or nulls in it.
     if isinstance(rotation, list) and len(rotation) == 3 and None not in rotation:
-        angles = world_from_mapillary(rotation).heading_pitch_roll()
-        heading, pitch, roll = (float(angle) for angle in np.rad2deg(angles))
-        return heading % 360.0, pitch, roll
+        # Rounded to what the numbers are worth, and without negative zeros.
+        angles = [round(angle, 6) + 0.0 for angle in to_gpano(from_mapillary(rotation))]
+        return angles[0], angles[1], angles[2]
     for name in ("computed_compass_angle", "compass_angle"):
         if image.get(name) is not None:
             return float(image[name]) % 360.0, None, None
     return None, None, None
-
-
-def world_from_mapillary(rotation: Sequence[float]) -> Rotation:
-    """The pose that `computed_rotation` gives, an axis times an angle in radians.
-
-    It turns the world (x east, y north, z up) into the camera (x right, y down, z forward),
-    whose forward is the center of a spherical picture.
-    """
-    angle = float(np.linalg.norm(rotation))
-    image_from_enu = Rotation.about_axis(rotation, angle) if angle else Rotation.identity()
-    world_from_enu = Rotation(np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]))
-    image_from_camera = Rotation(np.diag([1.0, -1.0, -1.0]))
-    return world_from_enu @ image_from_enu.inverse @ image_from_camera
 
 
 def _moment(milliseconds: Any) -> datetime | None:

@@ -8,12 +8,12 @@ from urllib.parse import parse_qs, unquote, urlsplit
 from panokit.errors import PlaceError
 
 _UUID = r"[0-9a-fA-F]{8}(?:-[0-9a-fA-F]{4}){3}-[0-9a-fA-F]{12}"
-# What an id looks like, where it stands in a path, and under which names in a query.
+_ID = r"[A-Za-z0-9_.=-]{3,100}"
+# Where an id stands in the path of an address, and under which names in its query.
 _SHAPES = {
-    "panoramax": (_UUID, (rf"/(?:pictures|items)/({_UUID})",), ("pic", "picture")),
-    "mapillary": (r"\d{5,20}", (r"/(?:im|map/im)/(\d+)",), ("pKey", "image_key")),
+    "panoramax": ((rf"/(?:pictures|items)/({_UUID})",), ("pic", "picture")),
+    "mapillary": ((r"/(?:im|map/im)/(\d+)",), ("pKey", "image_key")),
     "google": (
-        r"[A-Za-z0-9_.=-]{10,}",
         (r"!1s([A-Za-z0-9_-]{10,})(?:!2e|$)", r"/panoid/([A-Za-z0-9_-]+)"),
         ("pano", "panoid"),
     ),
@@ -43,12 +43,10 @@ def picture_id(source: str, text: str) -> str:
     kind = _KIND.get(source, source)
     if kind not in _SHAPES:
         raise PlaceError(f"The source {source!r} has no ids to ask for.")
-    shape, paths, parameters = _SHAPES[kind]
+    paths, parameters = _SHAPES[kind]
     text = text.strip()
-    found = text if re.fullmatch(shape, text) else ""
-    if not found and "://" in text:
-        found = _of_address(text, paths, parameters)
-    if not re.fullmatch(shape, found):
+    found = _of_address(text, paths, parameters) if "://" in text else text
+    if not re.fullmatch(_ID, found):
         raise PlaceError(
             f"{text[:80]!r} is neither an id of {source} nor the address of one of its pictures. "
             "Copy the address from the browser while the picture is shown."

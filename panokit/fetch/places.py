@@ -1,7 +1,7 @@
 """Areas to look for pictures in: discs, boxes, polygons, and points of the user's own."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from panokit.errors import PlaceError
@@ -98,7 +98,7 @@ def disc(
 
 def box(name: str, bbox_deg: tuple[float, float, float, float]) -> Place:
     """The area between west, south, east and north."""
-    return Place(name=name, **_extent(bbox_deg), is_disc=False)
+    return _within(name, bbox_deg)
 
 
 def area(name: str, polygons: tuple[Polygon, ...]) -> Place:
@@ -116,14 +116,14 @@ def area(name: str, polygons: tuple[Polygon, ...]) -> Place:
             f"The area {name!r} reaches around the earth. If it crosses the 180th meridian, write "
             "its two sides as two features."
         )
-    extent = _extent(bbox)
-    box_m2 = 4 * extent["half_width_m"] * extent["half_height_m"]
-    center = extent["latitude_deg"], extent["longitude_deg"]
-    if sum(_area_m2(polygon[0], center) for polygon in polygons) < max(1e-4 * box_m2, 1.0):
+    around = _within(name, bbox)
+    box_m2 = 4 * around.half_width_m * around.half_height_m
+    inside_m2 = sum(_area_m2(polygon[0], around.center_deg) for polygon in polygons)
+    if inside_m2 < max(1e-4 * box_m2, 1.0):
         raise PlaceError(
             f"The area {name!r} is no more than a line. Draw it wider, or list points instead."
         )
-    return Place(name=name, **extent, is_disc=False, polygons=polygons)
+    return replace(around, polygons=polygons)
 
 
 def points_of_interest(name: str, points: tuple[LatLon, ...], snap_m: float) -> Place:
@@ -134,10 +134,15 @@ def points_of_interest(name: str, points: tuple[LatLon, ...], snap_m: float) -> 
     """
     if not points:
         raise PlaceError(f"{name} lists no points. Write latitude and longitude, a point a line.")
-    extent = _extent(_bbox_of(points))
-    for side in ("half_width_m", "half_height_m"):
-        extent[side] += snap_m  # a picture may lie beyond the outermost point
-    return Place(name=name, **extent, is_disc=False, points=points, snap_m=snap_m)
+    around = _within(name, _bbox_of(points))
+    return replace(
+        around,
+        # A picture may lie beyond the outermost point.
+        half_width_m=around.half_width_m + snap_m,
+        half_height_m=around.half_height_m + snap_m,
+        points=points,
+        snap_m=snap_m,
+    )
 
 
 def check_point(latitude_deg: float, longitude_deg: float, where: str = "") -> LatLon:
@@ -158,16 +163,18 @@ def _bbox_of(points: list[LatLon] | tuple[LatLon, ...]) -> tuple[float, float, f
     return min(longitudes), min(latitudes), max(longitudes), max(latitudes)
 
 
-def _extent(bbox_deg: tuple[float, float, float, float]) -> dict[str, float]:
+def _within(name: str, bbox_deg: tuple[float, float, float, float]) -> Place:
     west, south, east, north = bbox_deg
     center = (south + north) / 2, (west + east) / 2
     east_m, north_m = east_north_m(center, (north, east))
-    return {
-        "latitude_deg": center[0],
-        "longitude_deg": center[1],
-        "half_width_m": east_m,
-        "half_height_m": north_m,
-    }
+    return Place(
+        name=name,
+        latitude_deg=center[0],
+        longitude_deg=center[1],
+        half_width_m=east_m,
+        half_height_m=north_m,
+        is_disc=False,
+    )
 
 
 def _cell(point_deg: LatLon, side_deg: tuple[float, float]) -> tuple[int, int]:

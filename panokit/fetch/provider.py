@@ -70,10 +70,10 @@ class Provider(Protocol):
         """Whether pictures may be kept that carry no license for it: by consent, or the user's."""
 
     def find(self, place: Place | None, points: Sequence[LatLon]) -> Iterable[Found | Rejection]:
-        """Pictures near these points, lazily. Without a place, those that the settings name by
-        id; a source without places gives all it has.
+        """Pictures near these points, lazily.
 
-        What is listed but cannot be had (any more) comes as a `Rejection`. The same picture
+        Without a place, those that the settings name by id; a source without places gives all
+        it has. What is listed but cannot be had (any more) comes as a `Rejection`. The same picture
         may come again.
         """
 

@@ -4,12 +4,19 @@ from datetime import date
 from pathlib import Path
 from typing import Annotated, Literal
 
-from cyclopts import Parameter
+from cyclopts import Group, Parameter
 from pydantic import Field, field_validator, model_validator
 
 from panokit.settings import Settings
 
 VERSION = "1"
+
+# The panels of --help, in this order.
+_WHERE = Group("Where to look", sort_key=1)
+_SOURCE = Group("Source", sort_key=2)
+_WHICH = Group("Which panoramas", sort_key=3)
+_SIZE = Group("How large", sort_key=4)
+_BUDGET = Group("Budget and pace", sort_key=5)
 
 
 class PlaceSettings(Settings):
@@ -28,115 +35,155 @@ class PlaceSettings(Settings):
     """How far from the point pictures may lie."""
 
 
+class PullSettings(Settings):
+    """Which HDR maps of Poly Haven to put into a library."""
+
+    # On the command line they stand by themselves.
+    names: Annotated[tuple[str, ...], Parameter(parse=False, show=False)] = ()
+    """Maps by name, as in their addresses: "kloofendal_48d_partly_cloudy"."""
+
+    category: tuple[str, ...] = ()
+    """Only maps that are in all of these categories: "urban", "outdoor"."""
+
+    query: str = ""
+    """Only maps whose name, tags or categories hold each of these words."""
+
+    count: int | None = Field(default=None, ge=1)
+    """At most so many, the most downloaded first; else all that match."""
+
+    resolution: Literal["1k", "2k", "4k", "8k", "16k"] = "2k"
+    """Width in 1024 px; the next smaller one where a map is not that large."""
+
+    format: Literal["exr", "hdr"] = "exr"
+    """OpenEXR, or Radiance."""
+
+    endpoint: str = ""
+    """Another server of the same kind, such as a local look-alike."""
+
+    max_requests: int | None = Field(default=None, ge=0)
+    """Stop before sending more requests than this."""
+
+    requests_per_s: float = Field(default=5.0, gt=0)
+    """How fast to ask one host."""
+
+    dry_run: Annotated[bool, Parameter(negative=())] = False
+    """Only list what would be pulled, and its size."""
+
+
 class FetchSettings(Settings):
     """Which street panoramas to fetch, from where, and how much may be spent on it."""
 
-    source: Literal["panoramax", "mapillary", "google-tiles", "google-static", "folder"] = (
-        "panoramax"
-    )
+    source: Annotated[
+        Literal["panoramax", "mapillary", "google-tiles", "google-static", "folder"],
+        Parameter(group=_SOURCE),
+    ] = "panoramax"
     """Where from. Panoramax is open and needs no key; read the licenses of the others."""
 
-    cities: Annotated[tuple[str, ...], Parameter(alias="--city")] = ()
+    cities: Annotated[tuple[str, ...], Parameter(group=_WHERE, alias="--city")] = ()
     """Cities by name, with a country code where the name is not unique: "Bristol, GB"."""
 
-    city_list: Path | None = None
+    city_list: Annotated[Path | None, Parameter(group=_WHERE)] = None
     """A text file with one city on a line; what follows a # is a comment."""
 
     # A command line has no way to write them; --point and --bbox are its own.
     places: Annotated[tuple[PlaceSettings, ...], Parameter(parse=False, show=False)] = ()
     """Places of your own, each a name, a point and a radius."""
 
-    area_file: Path | None = None
+    area_file: Annotated[Path | None, Parameter(group=_WHERE)] = None
     """A GeoJSON file of polygons, or a CSV table of points: latitude, longitude, maybe radius."""
 
-    bbox: tuple[float, float, float, float] | None = None
+    bbox: Annotated[tuple[float, float, float, float] | None, Parameter(group=_WHERE)] = None
     """A box instead of a city: west, south, east, north in degrees."""
 
-    point: tuple[float, float] | None = None
+    point: Annotated[tuple[float, float] | None, Parameter(group=_WHERE)] = None
     """A point instead of a city: latitude, longitude in degrees."""
 
-    radius_m: float | None = Field(default=None, gt=0, le=100_000)
+    radius_m: Annotated[float | None, Parameter(group=_WHERE)] = Field(
+        default=None, gt=0, le=100_000
+    )
     """How far from the point (else 1000) or a city's center (else the city's own) to look."""
 
-    pictures: Annotated[tuple[str, ...], Parameter(alias="--picture")] = ()
+    pictures: Annotated[tuple[str, ...], Parameter(group=_WHERE, alias="--picture")] = ()
     """Pictures by id, or by the address of their page in the browser; all of them are taken."""
 
-    picture_list: Path | None = None
+    picture_list: Annotated[Path | None, Parameter(group=_WHERE)] = None
     """A text file with one id or address on a line."""
 
-    folder: Path | None = None
+    folder: Annotated[Path | None, Parameter(group=_SOURCE)] = None
     """For the source "folder": where the pictures are. All of them are taken."""
 
-    license: str = ""
+    license: Annotated[str, Parameter(group=_SOURCE)] = ""
     """For the source "folder": the pictures' license, as SPDX id ("CC-BY-4.0")."""
 
-    attribution: str = ""
+    attribution: Annotated[str, Parameter(group=_SOURCE)] = ""
     """For the source "folder": whom to credit."""
 
-    count: int = Field(default=10, ge=1)
+    count: Annotated[int, Parameter(group=_WHICH)] = Field(default=10, ge=1)
     """How many panoramas to have of each place."""
 
-    min_distance_m: float = Field(default=25.0, ge=0)
+    min_distance_m: Annotated[float, Parameter(group=_WHICH)] = Field(default=25.0, ge=0)
     """How far apart the panoramas of a place are at least."""
 
-    snap_m: float | None = Field(default=None, gt=0, le=1000)
+    snap_m: Annotated[float | None, Parameter(group=_WHICH)] = Field(default=None, gt=0, le=1000)
     """How far from a point pictures may lie (else 50, and 200 where Google has none so near)."""
 
-    cell_m: float | None = Field(default=None, gt=0)
+    cell_m: Annotated[float | None, Parameter(group=_WHICH)] = Field(default=None, gt=0)
     """Take at most one panorama of each square cell of this side."""
 
-    per_sequence: int | None = Field(default=None, ge=1)
+    per_sequence: Annotated[int | None, Parameter(group=_WHICH)] = Field(default=None, ge=1)
     """Take at most so many panoramas of one drive."""
 
-    per_month: int | None = Field(default=None, ge=1)
+    per_month: Annotated[int | None, Parameter(group=_WHICH)] = Field(default=None, ge=1)
     """Take at most so many panoramas of a place that are of the same month."""
 
-    indoor: Annotated[bool, Parameter(negative=())] = False
+    indoor: Annotated[bool, Parameter(group=_WHICH, negative=())] = False
     """Take indoor panoramas too."""
 
-    date_from: date | None = None
+    date_from: Annotated[date | None, Parameter(group=_WHICH)] = None
     """Only pictures taken on this day or later."""
 
-    date_to: date | None = None
+    date_to: Annotated[date | None, Parameter(group=_WHICH)] = None
     """Only pictures taken on this day or earlier."""
 
-    width_px: int = Field(default=4096, ge=256)
+    width_px: Annotated[int, Parameter(group=_SIZE)] = Field(default=4096, ge=256)
     """The least width wanted; tile services send the first zoom that has it."""
 
-    zoom: int | None = Field(default=None, ge=0, le=5)
+    zoom: Annotated[int | None, Parameter(group=_SIZE)] = Field(default=None, ge=0, le=5)
     """A tile service's zoom, instead of a least width. Small panoramas have fewer zooms."""
 
-    view_fov_deg: float = Field(default=75.0, ge=50, le=100)
+    view_fov_deg: Annotated[float, Parameter(group=_SIZE)] = Field(default=75.0, ge=50, le=100)
     """For google-static: the width of a view. Narrower ones are finer, and more of them."""
 
-    allow_missing: Annotated[bool, Parameter(negative=())] = False
+    allow_missing: Annotated[bool, Parameter(group=_SIZE, negative=())] = False
     """Take panoramas of which some tiles cannot be had; what is missing is recorded."""
 
-    seed: int = 0
+    seed: Annotated[int, Parameter(group=_WHICH)] = 0
     """Another seed looks at other points of the same place."""
 
-    endpoint: str = ""
+    endpoint: Annotated[str, Parameter(group=_SOURCE)] = ""
     """Another server of the same kind: your Panoramax instance, or a local look-alike."""
 
-    accept_terms: tuple[Literal["google"], ...] = ()
+    accept_terms: Annotated[tuple[Literal["google"], ...], Parameter(group=_SOURCE)] = ()
     """Sources whose terms you have read and accept: "google"."""
 
-    max_requests: int | None = Field(default=None, ge=0)
+    max_requests: Annotated[int | None, Parameter(group=_BUDGET)] = Field(default=None, ge=0)
     """Stop before sending more requests than this."""
 
-    max_cost_usd: Annotated[float | None, Parameter(alias="--max-cost")] = Field(default=None, ge=0)
+    max_cost_usd: Annotated[float | None, Parameter(group=_BUDGET, alias="--max-cost")] = Field(
+        default=None, ge=0
+    )
     """Stop before spending more than this by list price; free amounts are not deducted."""
 
-    prices: Path | None = None
+    prices: Annotated[Path | None, Parameter(group=_BUDGET)] = None
     """A TOML table of prices and quotas, instead of the one that panokit brings."""
 
-    requests_per_s: float = Field(default=20.0, gt=0)
+    requests_per_s: Annotated[float, Parameter(group=_BUDGET)] = Field(default=20.0, gt=0)
     """How fast to ask one host."""
 
-    concurrency: int = Field(default=8, ge=1, le=32)
+    concurrency: Annotated[int, Parameter(group=_BUDGET)] = Field(default=8, ge=1, le=32)
     """How many requests may be under way at once."""
 
-    dry_run: Annotated[bool, Parameter(negative=())] = False
+    dry_run: Annotated[bool, Parameter(group=_BUDGET, negative=())] = False
     """Only find out what there is, and report what fetching it would take."""
 
     @field_validator("endpoint")

@@ -160,7 +160,7 @@ class _Fetching:
         """Say that a place has fewer pictures than wanted; without any it is rejected."""
         reasons = ", ".join(f"{count} {reason}" for reason, count in passed_over.most_common())
         shape = "radius" if place.is_disc else "area" if place.polygons else "box"
-        remedies = [f"a larger {'snap_m' if place.points else shape}"]
+        remedies = [f"a larger {'distance to snap' if place.points else shape}"]
         remedies += ["a smaller minimum distance"] if passed_over["too-close"] else []
         remedies += ["other dates"] if passed_over["out-of-dates"] else []
         message = (

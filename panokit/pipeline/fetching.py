@@ -8,7 +8,9 @@ from panokit.errors import RecordError, Rejection
 from panokit.fetch import FetchEvent, FetchResult, FetchSettings, fetch
 from panokit.fetch.result import PERMANENT_REASONS
 from panokit.fetch.settings import VERSION
+from panokit.fetch.store import stored_captures
 from panokit.fetch.where import total_wanted
+from panokit.io.attribution import write_attribution
 from panokit.io.captures import RECORD, StoredCapture, read_capture
 from panokit.io.files import read_json, write_json
 from panokit.ledger import Ledger
@@ -77,6 +79,9 @@ def fetch_into(settings: FetchSettings, run: RunFolder, console: Console) -> Fet
     if not settings.dry_run:
         for rejection in result.verdicts:
             ledger.add(rejection)
+        captures = stored_captures(run.captures).values()
+        if captures:
+            write_attribution(run.root, (stored.capture for stored in captures))
         run.log("fetched", requests=result.requests, passed_over=dict(result.passed_over))
     return result
 
