@@ -76,9 +76,11 @@ def _order_needed(kappa: float) -> int:
 
 
 def _by_harmonics(radiance: NDArray[np.floating], kappa: float, order: int) -> NDArray[np.float64]:
-    coefficients = project_harmonics(radiance, order)
+    # Without the mean, a uniform map stays exactly uniform, poles included.
+    mean = energy(radiance) / (4 * np.pi)
+    coefficients = project_harmonics(radiance - mean, order)
     coefficients *= vmf_factors(kappa, order)[harmonics_degrees(order), None]
-    return harmonics_map(coefficients, radiance.shape[1])
+    return harmonics_map(coefficients, radiance.shape[1]) + mean
 
 
 def _by_rows(radiance: NDArray[np.floating], kappa: float) -> NDArray[np.float64]:
@@ -105,7 +107,7 @@ def _row_kernels(
 ) -> NDArray[np.float64]:
     """The transform along the azimuth of the kernel between one row and those it reaches.
 
-    cos angle - 1 is -2 sin^2(half the difference of rows) - 2 sin sin sin^2(half that of
+    Its exponent, cos angle - 1, is -2 sin^2(half the difference of rows) - 2 sin sin sin^2(half that of
     azimuths), without the cancellation that the cosine itself has for small angles.
 
     Returns:
@@ -142,7 +144,7 @@ def _balance(
         )
         updated = np.sqrt(balance / sums)
         if np.abs(updated / balance - 1).max() < 1e-9:
-            return updated
+            break
         balance = updated
     return balance
 

@@ -70,8 +70,8 @@ def gaussians_irradiance(
     fit: GaussianFit, normals: NDArray[np.floating[Any]]
 ) -> NDArray[np.float64]:
     """What surfaces facing `normals` (..., 3) receive from the lobes; (..., C) float64."""
-    normals = np.asarray(normals, np.float64)
-    return np.asarray(_unit_irradiance(fit.axes, fit.sharpness, normals) @ fit.energies)
+    facing = np.asarray(normals, np.float64)
+    return np.asarray(_unit_irradiance(fit.axes, fit.sharpness, facing) @ fit.energies)
 
 
 def fit_gaussians(radiance: NDArray[np.floating[Any]], count: int) -> GaussianFit:
@@ -99,9 +99,10 @@ def fit_gaussians(radiance: NDArray[np.floating[Any]], count: int) -> GaussianFi
         raise ImageError("A black map has no light to fit lobes to.", reason="black")
     energies, vectors = light_parcels(radiance)
     lit = luminance(energies.astype(np.float64)) > 0
-    weights = luminance(energies[lit].astype(np.float64))
+    weights = np.asarray(luminance(energies[lit].astype(np.float64)), np.float64)
     # Where in each texel its light lies on the mean: shorter than 1 where it is spread out.
-    places = luminance(np.moveaxis(vectors[lit].astype(np.float64), 1, 2)) / weights[:, None]
+    moments = np.moveaxis(vectors[lit], 1, 2).astype(np.float64)
+    places = np.asarray(luminance(moments) / weights[:, None], np.float64)
     axes = np.concatenate(
         [np.array([light.direction for light in lights.lights]).reshape(-1, 3), spread(count)]
     )[:count]

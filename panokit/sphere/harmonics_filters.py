@@ -119,26 +119,26 @@ def nonnegative_harmonics(coefficients: NDArray[np.floating[Any]]) -> tuple[Coef
     Raises:
         UsageError: If a channel's mean is negative: no window mends that.
     """
-    coefficients = np.asarray(coefficients, np.float64)
-    order = harmonics_order(coefficients)
-    if (coefficients[0] < 0).any():
+    ringing = np.asarray(coefficients, np.float64)
+    order = harmonics_order(ringing)
+    if (ringing[0] < 0).any():
         raise UsageError("The mean of a channel is negative; no window makes it positive.")
-    if _least(coefficients) >= 0:
-        return coefficients.copy(), float("inf")
+    if _least(ringing) >= 0:
+        return ringing.copy(), float("inf")
     narrow, wide = 0.0, 1.0
-    while _least(_blurred(coefficients, wide)) < 0:
+    while _least(_blurred(ringing, wide)) < 0:
         narrow, wide = wide, wide * 2
         if wide > 64:
             # A channel without a mean is black, and so is all that may be kept of it.
             break
     for _ in range(20):
         middle = (narrow + wide) / 2
-        if _least(_blurred(coefficients, middle)) < 0:
+        if _least(_blurred(ringing, middle)) < 0:
             narrow = middle
         else:
             wide = middle
     width = order / wide if order else float("inf")
-    return window_harmonics(coefficients, "gauss", width=width), width
+    return window_harmonics(ringing, "gauss", width=width), width
 
 
 def _blurred(coefficients: Coefficients, strength: float) -> Coefficients:

@@ -173,7 +173,7 @@ def _measure(
     strength = luminance(parcels)
 
     def sums(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.bincount(numbers, values, count + 1)[1:]
+        return np.asarray(np.bincount(numbers, values, count + 1)[1:], np.float64)
 
     energies = np.stack([sums(parcels[:, c]) for c in range(3)], axis=1)
     vectors = np.stack([sums(strength * directions[:, i]) for i in range(3)], axis=1)

@@ -10,8 +10,8 @@ from panokit.equirectangular import check_equirectangular
 from panokit.errors import ImageError
 from panokit.sphere.solid_angle import pixel_solid_angles
 
-# The rim of a burnt-out region counts if the region is burnt out by this share at least.
-_CORE_SHARE = 0.1
+# How far from two burnt-out channels one alone still counts: the rim of a lamp.
+_RIM_DEG = 1.0
 # As large as a disk of 2 degrees radius: a brake light a meter away.
 _SMALL_SR = 0.004
 
@@ -56,9 +56,9 @@ def saturated_mask(pixels: NDArray[np.uint8], level: int = 250) -> NDArray[np.bo
     One channel alone does not tell. All three at the limit misses sodium lamps, whose blue
     never gets there; any one at the limit takes a blue sky for a lamp. So: a pixel with two
     channels at the limit is burnt out, since what is left of its hue cannot be read. One
-    with a single channel counts if it borders on those, within a region that they make up
-    at least a tenth of: the rim of a lamp. A region with one channel only counts if it is
-    small, and not because of blue: a brake light.
+    with a single channel counts within a degree of those: the rim of a lamp. A region that
+    has one channel at the limit, not blue, and no such pixels counts if it is small: a brake
+    light.
 
     Args:
         pixels: (H, W, 3) uint8, equirectangular, sRGB-encoded.
@@ -76,13 +76,21 @@ def saturated_mask(pixels: NDArray[np.uint8], level: int = 250) -> NDArray[np.bo
         )
     full = pixels >= level
     core = np.count_nonzero(full, axis=2) >= 2
-    labels, count = label_regions(full.any(axis=2))
+    any_full = np.asarray(full.any(axis=2))
+    labels, count = label_regions(any_full)
     solid_angles = pixel_solid_angles(*core.shape)
     area = np.bincount(labels.ravel(), solid_angles.ravel(), count + 1)
-    burnt = np.bincount(labels.ravel(), (solid_angles * core).ravel(), count + 1)
     blue_only = full[..., 2] & ~full[..., 0] & ~full[..., 1]
     blue = np.bincount(labels.ravel(), (solid_angles * blue_only).ravel(), count + 1)
-    lamp = burnt >= _CORE_SHARE * area
-    lamp |= (area <= _SMALL_SR) & (blue < 0.5 * area)
+    lamp = (area <= _SMALL_SR) & (blue < 0.5 * area)
     lamp[0] = False
-    return np.asarray(core | lamp[labels])
+    return np.asarray(core | (any_full & _widened(core)) | lamp[labels])
+
+
+def _widened(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The mask and what lies within `_RIM_DEG` of it in rows and columns, across the seam."""
+    reach = max(round(mask.shape[1] * _RIM_DEG / 360), 1)
+    wrapped = np.pad(mask.astype(np.uint8), ((0, 0), (reach, reach)), mode="wrap")
+    size = 2 * reach + 1
+    wide = cv2.dilate(wrapped, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size)))
+    return np.asarray(wide[:, reach:-reach] > 0)
