@@ -88,6 +88,10 @@ def psnr(result, truth):
     return float(-10 * np.log10(np.mean((np.float64(result) - truth) ** 2)))
 
 
+def error_of(before, after):
+    return f"{np.abs(energy_ledger(before, after).change).max():.1e}"
+
+
 def row(name, cpu_s, ours, *figures):
     ratio = "1" if cpu_s == ours else f"{cpu_s / ours:.1f}"
     print(f"| {name} | {cpu_s * 1e3:.1f} | {ratio} | " + " | ".join(figures) + " |", flush=True)
@@ -185,7 +189,7 @@ def light(python):
     radiance[directions @ toward > np.cos(np.deg2rad(0.2665))] = 6e4
 
     def error(result):
-        return f"{np.abs(energy_ledger(radiance, result).change).max():.1e}"
+        return error_of(radiance, result)
 
     ours = cpu_seconds(lambda: resize_radiance(radiance, 64), 15)
     row("panokit", ours, ours, error(resize_radiance(radiance, 64)))
@@ -199,12 +203,12 @@ def light(python):
         row(f"skylibs shrink ({told[1]})", told[0], ours, error(told[2]))
     small = resize_radiance(radiance, 1024)
     irradiance_map(small, 64)
+    turn = cpu_seconds(lambda: rotate_radiance(small, POSE))
     print("\n### Without a peer\n\n| what | CPU ms | error of the energy |\n|---|---|---|")
     print(f"| irradiance map 64x32 from 1024x512 | "
           f"{cpu_seconds(lambda: irradiance_map(small, 64), 15) * 1e3:.1f} | |")  # fmt: skip
-    turned = rotate_radiance(small, POSE)
-    print(f"| `rotate_radiance` of 1024x512 | {cpu_seconds(lambda: rotate_radiance(small, POSE)) * 1e3:.0f} | "
-          f"{np.abs(energy_ledger(small, turned).change).max():.1e} |")  # fmt: skip
+    print(f"| `rotate_radiance` of 1024x512 | {turn * 1e3:.0f} | "
+          f"{error_of(small, rotate_radiance(small, POSE))} |")  # fmt: skip
 
 
 def main():
