@@ -7,10 +7,11 @@ export PIP_CONSTRAINT = $(CURDIR)/constraints.txt
 
 DEMO = .demo-venv
 VENV = .venv
+PEERS = .peers-venv
 TESTS ?= tests
 BIN = $(VENV)/bin
 
-.PHONY: help demo test check test-slow bench docs clean
+.PHONY: help demo test check test-slow bench bench-peers docs clean
 
 help:
 	@echo "make demo       light probes from the embedded city, with a report (core packages only)"
@@ -18,6 +19,7 @@ help:
 	@echo "make check      style, types and layers"
 	@echo "make test-slow  tests that take minutes"
 	@echo "make bench      benchmarks"
+	@echo "make bench-peers  geometry against skylibs, equilib and py360convert"
 	@echo "make docs       the documentation, in docs/_build"
 
 demo: $(DEMO)/.installed
@@ -38,6 +40,9 @@ test-slow: $(VENV)/.installed
 bench: $(VENV)/.installed
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks --benchmark-columns=min,mean,rounds
 
+bench-peers: $(VENV)/.installed $(PEERS)/.installed
+	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/peers/compare.py $(PEERS)/bin/python
+
 docs: $(VENV)/.installed
 	$(BIN)/pip install --quiet -e ".[docs]"
 	$(BIN)/python -m sphinx -W -b html docs docs/_build/html
@@ -47,10 +52,16 @@ $(DEMO)/.installed: pyproject.toml constraints.txt
 	$(DEMO)/bin/pip install --quiet -e .
 	touch $@
 
+# Peers live apart: some of them pull packages that must never meet ours.
+$(PEERS)/.installed: tests/benchmarks/peers/requirements.txt constraints.txt
+	$(PYTHON) -m venv $(PEERS)
+	$(PEERS)/bin/pip install --quiet -r tests/benchmarks/peers/requirements.txt
+	touch $@
+
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet -e ".[train,render,dev]"
 	touch $@
 
 clean:
-	rm -rf $(DEMO) $(VENV) demo docs/_build .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(DEMO) $(VENV) $(PEERS) demo docs/_build .pytest_cache .mypy_cache .ruff_cache

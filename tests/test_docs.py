@@ -1,5 +1,6 @@
 """What the documentation shows works: every command line parses, every Python example runs."""
 
+import doctest
 import re
 import shlex
 from pathlib import Path
@@ -77,3 +78,17 @@ def test_every_python_example_runs(page, code):
     if page in IMPORTS_ONLY:
         code = "\n".join(line for line in code.splitlines() if "import " in line)
     exec(compile(code, page, "exec"), {"__name__": "example"})
+
+
+TAUGHT = [page for page in PAGES if ">>> " in page.read_text(encoding="utf-8")]
+
+
+@pytest.mark.parametrize("page", TAUGHT, ids=[page.name for page in TAUGHT])
+@pytest.mark.usefixtures("workspace")
+def test_every_shown_result_is_what_comes_out(page):
+    text = page.read_text(encoding="utf-8")
+    example = doctest.DocTestParser().get_doctest(text, {}, page.name, str(page), 0)
+    told = []
+    outcome = doctest.DocTestRunner(verbose=False).run(example, out=told.append)
+    assert outcome.attempted > 3
+    assert outcome.failed == 0, "".join(told)

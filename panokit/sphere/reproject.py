@@ -18,6 +18,7 @@ from panokit.sphere.resample import resize_radiance
 # Below this many source pixels in one target pixel, interpolation alone looks right.
 _COARSER = 1.5
 _SUPERSAMPLES_MAX = 4
+_SMALLEST_COPY_PX = 16
 
 
 def reproject(
@@ -148,7 +149,8 @@ def _from_mipmap(
 ) -> NDArray[Any]:
     height, width = found.column.shape
     level: NDArray[Any] = cv2.resize(np.log2(np.maximum(coarseness, 1)), (width, height))
-    top = int(np.log2(min(picture.shape[0], picture.shape[1] // 2)))
+    # Coarser copies have too few pixels for a border; only the rim of a ball would want them.
+    top = max(0, int(np.log2(picture.shape[0] / _SMALLEST_COPY_PX)))
     level = np.clip(level, 0, top)
     result = np.zeros((height, width, *picture.shape[2:]), np.float32)
     reduced = picture
