@@ -18,7 +18,7 @@ from panokit.io.images import encode_jpeg
 from panokit.synthetic.exchange import Reply, Request, jpeg_reply, json_reply
 from panokit.synthetic.faults import Faults
 from panokit.synthetic.google_errors import error, invalid, not_found, too_many
-from panokit.synthetic.pictures import PictureStore, ServedPicture
+from panokit.synthetic.pictures import PictureStore, RecentBodies, ServedPicture
 from panokit.synthetic.quota import QuotaCounter
 from panokit.synthetic.views import view_of
 
@@ -48,6 +48,7 @@ class GoogleTiles:
         self._sessions: dict[str, float] = {}
         self._uses: Counter[str] = Counter()
         self._quota = QuotaCounter()
+        self._bodies = RecentBodies()
         self._lock = threading.Lock()
 
     def answer(self, request: Request, faults: Faults) -> Reply:
@@ -230,15 +231,32 @@ class GoogleTiles:
             return not_found()
         if (zoom, column, row) in faults.missing_tiles:
             return not_found()
-        pixels = self._tile_pixels(picture, zoom, column, row)
+        state = (
+            faults.out_of_range,
+            faults.edge_tiles,
+            faults.tile_body_px,
+            (zoom, column, row) in faults.black_tiles,
+        )
+        key = (picture.capture.id, zoom, column, row, *state)
+        body = self._bodies.get(key)
+        if body is None:
+            body = self._encoded_tile(picture, (zoom, column, row), faults)
+            self._bodies.put(key, body)
+        return jpeg_reply(body) if body else not_found()
+
+    def _encoded_tile(
+        self, picture: ServedPicture, cell: tuple[int, int, int], faults: Faults
+    ) -> bytes:
+        """The JPEG of a tile, b"" where there is none."""
+        pixels = self._tile_pixels(picture, *cell)
         if pixels is None and faults.out_of_range == "not-found":
-            return not_found()
-        if pixels is None or (zoom, column, row) in faults.black_tiles:
+            return b""
+        if pixels is None or cell in faults.black_tiles:
             pixels = np.zeros((0, 0, 3), np.uint8)
         if faults.edge_tiles == "padded" or not pixels.size:
             pixels = _padded(pixels)
         step = TILE_PX // faults.tile_body_px
-        return jpeg_reply(encode_jpeg(np.ascontiguousarray(pixels[::step, ::step]), quality=90))
+        return encode_jpeg(np.ascontiguousarray(pixels[::step, ::step]), quality=90)
 
     def _tile_pixels(
         self, picture: ServedPicture, zoom: int, column: int, row: int

@@ -2,7 +2,7 @@
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -181,3 +181,27 @@ class _RecentArrays:
         while total > self._budget_bytes and len(self._arrays) > 1:
             _, dropped = self._arrays.popitem(last=False)
             total -= dropped.nbytes
+
+
+class RecentBodies:
+    """The encoded pictures used last, as many as fit a budget; threads may share it."""
+
+    def __init__(self, budget_bytes: int = 64 << 20) -> None:
+        self._left_bytes = budget_bytes
+        self._bodies: OrderedDict[Hashable, bytes] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def get(self, key: Hashable) -> bytes | None:
+        """What was put there, or None."""
+        with self._lock:
+            if key in self._bodies:
+                self._bodies.move_to_end(key)
+            return self._bodies.get(key)
+
+    def put(self, key: Hashable, body: bytes) -> None:
+        """Keep a body, in place of the oldest ones if need be."""
+        with self._lock:
+            self._left_bytes += len(self._bodies.pop(key, b"")) - len(body)
+            self._bodies[key] = body
+            while self._left_bytes < 0 and len(self._bodies) > 1:
+                self._left_bytes += len(self._bodies.popitem(last=False)[1])

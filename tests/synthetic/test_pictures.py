@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from panokit.synthetic import ServedPicture
-from panokit.synthetic.pictures import PictureStore
+from panokit.synthetic.pictures import PictureStore, RecentBodies
 
 
 def test_pieces_join_to_the_whole_at_any_size(describe, image):
@@ -44,3 +44,14 @@ def test_nearest_respects_its_radius(pictures):
     assert store.nearest(44.50029, -28.0, 0.5) is None
     # 0.0003 degrees of a great circle of 6371 km.
     assert pictures[0].distance_m(44.5003, -28.0) == pytest.approx(33.36, abs=0.01)
+
+
+def test_recent_bodies_keep_to_their_budget():
+    bodies = RecentBodies(10)
+    bodies.put("a", b"12345")
+    bodies.put("b", b"12345")
+    assert bodies.get("a") == b"12345"
+    bodies.put("c", b"123")
+    assert [bodies.get(name) for name in "abc"] == [b"12345", None, b"123"]
+    bodies.put("d", b"x" * 99)
+    assert [bodies.get(name) for name in "acd"] == [None, None, b"x" * 99]
