@@ -4,6 +4,7 @@ A warm lamp is near 2700 K, noon daylight near 5500 K, an overcast sky near 6500
 blue sky from 10000 K up.
 """
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -79,7 +80,9 @@ def color_temperature(linear: NDArray[np.floating[Any]]) -> ColorTemperature | N
 
     x, y = chromaticity(linear)
     scale = -2 * x + 12 * y + 3
-    with np.errstate(all="ignore"):
+    # At the ends of its table it warns; those temperatures are refused below.
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
         kelvin, duv = uv_to_CCT_Ohno2013(np.array([4 * x, 6 * y]) / scale)
     if not (_KELVIN[0] <= kelvin <= _KELVIN[1]) or not abs(duv) <= MOST_DUV:
         return None

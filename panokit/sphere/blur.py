@@ -107,8 +107,9 @@ def _row_kernels(
 ) -> NDArray[np.float64]:
     """The transform along the azimuth of the kernel between one row and those it reaches.
 
-    Its exponent, cos angle - 1, is -2 sin^2(half the difference of rows) - 2 sin sin sin^2(half that of
-    azimuths), without the cancellation that the cosine itself has for small angles.
+    With a and b the polar angles of the rows and t the difference of azimuths, cos angle - 1 is
+    -2 sin^2((a - b) / 2) - 2 sin a sin b sin^2(t / 2), without the cancellation that the cosine
+    itself has for small angles.
 
     Returns:
         (rows, frequencies + 1) float64; entry 0 is the mean along the row.
