@@ -6,7 +6,9 @@ compared. What one would not expect of it:
 
 - The loop over channels assigns where it should add, so "luminance" is 0.0722 B alone: a red
   lamp is not a light, and a blue sky is a strong one.
-- The map is cut at the seam: a light across it is two lights.
+- The map is cut at the seam: a light across it is two lights. If its halves are equally bright,
+  they carry one number, and as one region they are so wide that they are dropped as a band; two
+  equal lamps far apart go the same way.
 - Brightness is multiplied by sin(theta) before peaks are looked for, so a lamp at the zenith
   is as dark as night.
 - Lights are numbered in scan order, from the top left, not by brightness, and it is the first

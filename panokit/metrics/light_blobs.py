@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from panokit.color import luminance
 from panokit.metrics.pairs import Radiance, check_radiance
 from panokit.sphere.equirect import equirect_directions
+from panokit.sphere.extension import pad_sphere
 from panokit.sphere.resample import resize_radiance
-from panokit.sphere.sampling import pad_sphere
 from panokit.sphere.solid_angle import pixel_solid_angles
 from panokit.sphere.sources import label_regions
 

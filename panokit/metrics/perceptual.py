@@ -20,7 +20,7 @@ from panokit.errors import UsageError
 from panokit.frames import Rotation
 from panokit.metrics.pairs import Radiance, radiance_pair
 from panokit.metrics.pu21 import CLIP_LEVEL_CD_M2
-from panokit.sphere.perspective import perspective_view
+from panokit.sphere.reproject import perspective_view
 
 SIDES_DEG = (0.0, 90.0, 180.0, 270.0)
 _INCH_M = 0.0254

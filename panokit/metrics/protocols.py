@@ -59,7 +59,13 @@ class MetricProtocol:
 
 
 def _native(
-    name: str, function: str, unit: str, better: Better = "lower", part: str = "", **options: Any
+    name: str,
+    function: str,
+    unit: str,
+    better: Better = "lower",
+    part: str = "",
+    source: str = "panokit-v1",
+    **options: Any,
 ) -> MetricProtocol:
     return MetricProtocol(
         name=name,
@@ -67,7 +73,7 @@ def _native(
         takes="maps",
         unit=unit,
         better=better,
-        source="panokit-v1",
+        source=source,
         options=MappingProxyType(options),
         part=part,
     )
@@ -100,6 +106,8 @@ def _both(
 
 
 _THESIS = "Parker 2018, chapter 5"
+_PU21 = "Mantiuk and Azimi 2021"
+_CRF = "Hanji et al. 2022"
 _RELIT_PARTS = {"rmse": "radiance", "si_rmse": "radiance", "angular_deg": "°"}
 _SPHERE_PARTS = {**_RELIT_PARTS, "normalized_rmse": ""}
 
@@ -146,10 +154,10 @@ _ROWS: list[MetricProtocol] = [
         for scene in ("diffuse", "glossy-0.1", "glossy-0.3", "glossy-0.6", "mirror", "plane")
         for part, unit in _RELIT_PARTS.items()
     ),
-    _native("pu21-psnr", "pu21:pu21_psnr", "dB", "higher"),
-    _native("pu21-psnr-y", "pu21:pu21_psnr_y", "dB", "higher"),
-    _native("pu21-ssim", "pu21:pu21_ssim", "", "higher"),
-    _native("pu21-crf-psnr", "pu21:pu21_crf_psnr", "dB", "higher"),
+    _native("pu21-psnr", "pu21:pu21_psnr", "dB", "higher", source=_PU21),
+    _native("pu21-psnr-y", "pu21:pu21_psnr_y", "dB", "higher", source=_PU21),
+    _native("pu21-ssim", "pu21:pu21_ssim", "", "higher", source=_PU21),
+    _native("pu21-crf-psnr", "pu21:pu21_crf_psnr", "dB", "higher", source=_CRF),
     *(
         MetricProtocol(
             name=name,
@@ -231,7 +239,7 @@ def protocol(name: str) -> MetricProtocol:
 
 
 def native_scores(estimate: Radiance, truth: Radiance) -> dict[str, float]:
-    """All figures of the set "panokit-v1", by name.
+    """All figures of the set "panokit-v1" and the PU21 figures, by name.
 
     Args:
         estimate: (H, W, 3), linear, 2:1, on the truth's scale (`panokit.metrics.alignment`);
@@ -241,5 +249,5 @@ def native_scores(estimate: Radiance, truth: Radiance) -> dict[str, float]:
     return {
         name: row.score(estimate, truth)
         for name, row in PROTOCOLS.items()
-        if row.source == "panokit-v1"
+        if row.variant == "native"
     }

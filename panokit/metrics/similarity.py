@@ -29,7 +29,7 @@ from scipy.ndimage import gaussian_filter, uniform_filter
 from panokit.color import srgb_encode
 from panokit.errors import ImageError, UsageError
 from panokit.metrics.pairs import radiance_pair
-from panokit.sphere.sampling import pad_sphere
+from panokit.sphere.extension import pad_sphere
 from panokit.sphere.solid_angle import row_solid_angles
 
 Preset = Literal["thesis", "wang", "sphere"]

@@ -21,6 +21,7 @@ The published script also appends each si-RMSE twice, which does not move a medi
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
+from math import log10
 from typing import Any, Literal
 
 import numpy as np
@@ -75,8 +76,8 @@ def array_errors(estimate: Render, truth: Render, variant: Variant = "fixed") ->
     power = np.dot(flat_p, flat_p)
     alpha = np.dot(flat_g, flat_p) / power if power > 0 else power
     return ArrayErrors(
-        rmse=rmse,
-        si_rmse=_rms(g - p * alpha),
+        rmse=float(rmse),
+        si_rmse=float(_rms(g - p * alpha)),
         angular_deg=_published_angle(p, g) if variant == "compat" else _angle(p, g),
         psnr_db=_psnr_db(p, g, rmse, variant),
     )
@@ -113,8 +114,9 @@ def _colors(render: Render, variant: Variant) -> Render:
     return render[..., :3].astype(np.float32 if variant == "compat" else np.float64)
 
 
-def _rms(difference: NDArray[np.floating[Any]]) -> float:
-    return float(np.sqrt(np.mean(np.power(difference, 2))))
+def _rms(difference: NDArray[np.floating[Any]]) -> Any:
+    """As a NumPy scalar in the dtype of the renders, which the published PSNR divides by."""
+    return np.sqrt(np.mean(np.power(difference, 2)))
 
 
 def _published_angle(p: Render, g: Render) -> float:
@@ -132,11 +134,11 @@ def _angle(p: Render, g: Render) -> float:
     return mean_color_angle_deg(np.asarray(p, np.float64), np.asarray(g, np.float64), weights)
 
 
-def _psnr_db(p: Render, g: Render, rmse: float, variant: Variant) -> float:
+def _psnr_db(p: Render, g: Render, rmse: Any, variant: Variant) -> float:
     if rmse == 0:
         return 100.0 if variant == "compat" else float("inf")
-    peak = max(float(g.max()), float(p.max())) if variant == "compat" else float(g.max())
-    return float(20 * np.log10(peak / rmse)) if peak > 0 else float("-inf")
+    peak = max(g.max(), p.max()) if variant == "compat" else g.max()
+    return float(20 * log10(peak / rmse)) if peak > 0 else float("-inf")
 
 
 def _check_render(render: NDArray[Any]) -> None:
