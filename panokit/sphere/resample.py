@@ -4,6 +4,7 @@ General-purpose resizers change a map's energy by 20 to 100 % when a sun is near
 point samplers lose a small sun outright; a light probe treated so lights the wrong scene.
 """
 
+from functools import reduce
 from typing import Any
 
 import cv2
@@ -12,8 +13,8 @@ from numpy.typing import NDArray
 
 from panokit.envmap import EnvironmentMap
 from panokit.errors import UsageError
-from panokit.frames import Frame, Rotation
-from panokit.sphere.equirect import equirect_directions, equirect_pixel
+from panokit.frames import Frame, Rotation, direction_from_azimuth_elevation
+from panokit.sphere.equirect import equirect_pixel
 from panokit.sphere.irradiance import energy
 from panokit.sphere.pixel_map import Interpolation
 from panokit.sphere.sampling import rotate_pixels
@@ -177,11 +178,15 @@ def _split_bright(
     radiance: NDArray[np.float32],
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """The map with its brightest pixels cut to a common level, and what was cut off."""
-    peak = radiance.max(axis=2)
-    level = max(8 * float(np.median(peak)), float(np.percentile(peak, 98)), 1e-30)
-    factor = np.minimum(level / np.maximum(peak, level), 1.0)[..., None]
-    smooth = radiance * factor
-    return smooth, radiance - smooth
+    peak = reduce(np.maximum, cv2.split(radiance)) if radiance.shape[2] > 1 else radiance[..., 0]
+    # A rank over every fourth pixel of every fourth row is near enough.
+    some = peak[::4, ::4] if peak.size > 1 << 19 else peak
+    level = np.float32(max(16 * float(np.median(some)), float(np.percentile(some, 99)), 1e-30))
+    smooth, excess = radiance.copy(), np.zeros_like(radiance)
+    bright = peak > level
+    smooth[bright] *= (level / peak[bright])[:, None]
+    excess[bright] = radiance[bright] - smooth[bright]
+    return smooth, excess
 
 
 def _scatter(
@@ -189,38 +194,44 @@ def _scatter(
 ) -> None:
     """Add the excess to `target` as parcels of energy, each pixel cut into small parts."""
     height, width, channels = excess.shape
-    rows, columns = np.nonzero(excess.any(axis=2))
+    rows, columns = np.nonzero(reduce(np.logical_or, np.moveaxis(excess, 2, 0)))
     if not len(rows):
         return
     solid_angles = row_solid_angles(height, width)
     parcels = excess[rows, columns] * solid_angles[rows, None]
-    centers = equirect_directions(width, height)[rows, columns]
+    centers = direction_from_azimuth_elevation(
+        ((columns + 0.5) / width - 0.5) * 2 * np.pi, (0.5 - (rows + 0.5) / height) * np.pi
+    )
     _, target_row = equirect_pixel(target_from_source.apply(centers), width, height)
-    gathered = np.zeros((height * width, channels))
-    # Near the target's poles pixels are narrow slivers, and a source pixel covers many.
+    gathered = np.zeros((channels, height * width))
+    # Near the target's poles pixels are narrow slivers, and a source pixel covers many. Two
+    # parts a side leave an even patch even to 0.2 %.
     covered = 1 / np.sin(np.pi * (np.clip(target_row, 0, height - 1) + 0.5) / height)
-    parts = 4 * 2 ** np.ceil(np.log2(np.clip(covered, 1, 32))).astype(int)
+    parts = 2 * 2 ** np.ceil(np.log2(np.clip(covered, 1, 32))).astype(int)
     for count in np.unique(parts):
         chosen = np.flatnonzero(parts == count)
-        for some in np.array_split(chosen, max(1, len(chosen) * count**2 // (1 << 21))):
-            _deposit(
-                parcels[some], rows[some], columns[some], int(count), target_from_source,
-                (height, width), gathered,
-            )  # fmt: skip
-    target += (gathered.reshape(height, width, channels) / solid_angles[:, None, None]).astype(
+        for some in np.array_split(chosen, max(1, len(chosen) * count**2 // (1 << 22))):
+            index, share = _landing(
+                rows[some], columns[some], int(count), target_from_source, (height, width)
+            )
+            for channel in range(channels):
+                weights = share * parcels[some, channel, None]
+                gathered[channel] += np.bincount(
+                    index.ravel(), weights.ravel(), minlength=height * width
+                )
+    target += (gathered.T.reshape(height, width, channels) / solid_angles[:, None, None]).astype(
         np.float32
     )
 
 
-def _deposit(
-    parcels: NDArray[np.float64],
+def _landing(
     rows: NDArray[np.intp],
     columns: NDArray[np.intp],
     parts: int,
     target_from_source: Rotation,
     shape: tuple[int, int],
-    gathered: NDArray[np.float64],
-) -> None:
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Where the parts of pixels land: (n, k) target pixels, and the share of the parcel for each."""
     height, width = shape
     inside = (np.arange(parts) + 0.5) / parts
     azimuth = ((columns[:, None] + inside) / width - 0.5) * 2 * np.pi
@@ -236,21 +247,17 @@ def _deposit(
             -horizontal[:, :, None] * np.cos(azimuth)[:, None, :],
         ),
         axis=-1,
-    )
+    ).reshape(len(rows), -1, 3)
     column, row = equirect_pixel(target_from_source.apply(directions), width, height)
     left, above = np.floor(column).astype(int), np.floor(row).astype(int)
     right_share, below_share = column - left, row - above
+    indices, shares = [], []
     for dx, share_x in ((0, 1 - right_share), (1, right_share)):
         for dy, share_y in ((0, 1 - below_share), (1, below_share)):
             near = above + dy
             # Beyond a pole lies the outermost row again, at the opposite azimuth.
             beyond = (near < 0) | (near >= height)
             across = np.where(beyond, width // 2, 0)
-            index = np.clip(near, 0, height - 1) * width + (left + dx + across) % width
-            share = share_x * share_y / parts**2
-            for channel in range(parcels.shape[1]):
-                gathered[:, channel] += np.bincount(
-                    index.ravel(),
-                    (share * parcels[:, channel, None, None]).ravel(),
-                    minlength=height * width,
-                )
+            indices.append(np.clip(near, 0, height - 1) * width + (left + dx + across) % width)
+            shares.append(share_x * share_y / parts**2)
+    return np.concatenate(indices, axis=1), np.concatenate(shares, axis=1)
