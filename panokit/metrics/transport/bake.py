@@ -3,6 +3,7 @@
 python -m panokit.metrics.transport.bake [FOLDER]
 """
 
+import lzma
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,10 +11,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.metrics.transport.figure import Hits, hidden, see
+from panokit.metrics.transport.plane import Patches, grid_directions, patches
 from panokit.metrics.transport.scenes import ROUGH_BALLS, RoughBall
 
 _AZIMUTHS = 512
 _LEVELS = 4000
+_SIZE_PX = 64
+_RAYS = 4
+_COLUMNS = 320
+_ROWS = 80
+_UNIT = 16
+_MOST = 3
 
 
 def ball_kernel(ball: RoughBall, radii: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -53,9 +62,70 @@ def packed(kernel: NDArray[np.float64]) -> dict[str, Any]:
     return {"steps": np.diff(whole, axis=2, prepend=np.int16(0)), "unit": unit}
 
 
+def visible_share(seen: Patches, hits: Hits, chosen: NDArray[np.intp]) -> NDArray[np.int8]:
+    """How much of the light from each node patches of the picture reflect.
+
+    The share is of albedo x cosine, not of rays, since that is what the picture loses. It is
+    counted against the cosine of the patch's mean normal, which its reading has too, so it is
+    0 behind the patch and, where the normal varies, may leave 0 to 1 near the terminator.
+
+    Args:
+        seen: All patches of the picture.
+        hits: The rays of the picture.
+        chosen: (N,) which patches.
+
+    Returns:
+        (N, rows, columns) in units of 1 / `_UNIT`.
+    """
+    directions = grid_directions(_COLUMNS, _ROWS).swapaxes(0, 1).reshape(-1, 3)
+    share = np.zeros((len(chosen), len(directions)), np.int8)
+    count = hits.sphere.shape[-1]
+    place, normal = (part.reshape(-1, count, 3) for part in (hits.place, hits.normal))
+    sphere, albedo = (part.reshape(-1, count) for part in (hits.sphere, hits.albedo))
+    for index, patch in enumerate(chosen):
+        rays = seen.rays[patch]
+        at = (seen.pixel[patch], rays)
+        blocked = hidden(place[at], sphere[at], directions)
+        cosine = np.where(blocked, 0, np.maximum(normal[at] @ directions.T, 0))
+        reflected = (albedo[at] / np.pi) @ cosine / count
+        mean = directions @ seen.normal[patch]
+        least = np.where(mean < 0, -1, 1) * np.maximum(np.abs(mean), 1e-9)
+        share[index] = np.rint(np.clip(reflected / least, -_MOST, _MOST) * _UNIT)
+    return share.reshape(len(chosen), _ROWS, _COLUMNS)
+
+
+def changes_along_rows(
+    share: NDArray[np.int8],
+) -> tuple[NDArray[np.uint8], NDArray[np.uint16], NDArray[np.int8]]:
+    """Shares as changes: how many in each row, steps from one to the next, and their sizes."""
+    change = np.diff(share, axis=-1, prepend=np.int8(0)).reshape(-1, _COLUMNS)
+    row, column = np.nonzero(change)
+    first = np.diff(row, prepend=-1) > 0
+    steps = np.where(first, column, np.diff(column, prepend=0))
+    counts = np.bincount(row, minlength=len(change))
+    return counts.astype(np.uint8), steps.astype("<u2"), change[row, column]
+
+
+def bake_plane() -> dict[str, NDArray[Any]]:
+    """The table of the plane scene; about twenty seconds."""
+    hits = see(_SIZE_PX, _RAYS)
+    seen = patches(hits)
+    parts: list[list[bytes]] = [[], [], []]
+    for chosen in np.array_split(np.arange(len(seen.pixel)), _SIZE_PX):
+        share = visible_share(seen, hits, chosen)
+        for part, values in zip(parts, changes_along_rows(share), strict=True):
+            part.append(values.tobytes())
+    counts, steps, changes = (
+        np.frombuffer(lzma.compress(b"".join(part), preset=9), np.uint8) for part in parts
+    )
+    sizes = np.array([_SIZE_PX, _RAYS, _COLUMNS, _ROWS, _UNIT])
+    return {"sizes": sizes, "counts": counts, "steps": steps, "changes": changes}
+
+
 def bake(folder: Path) -> None:
     """Write every table."""
     folder.mkdir(parents=True, exist_ok=True)
+    np.savez(folder / "plane.npz", **bake_plane())
     for name, ball in ROUGH_BALLS.items():
         np.savez_compressed(folder / f"{name}.npz", **packed(ball_kernel(ball, ball_radii(ball))))
 

@@ -55,12 +55,12 @@ def lattice(map_width_px: int) -> Separable:
     first, weights = cubic_weights(polar / np.pi * LATTICE_HEIGHT_PX - 0.5)
     # The first and last row stand for what lies beyond the pole: it is a third of a degree away.
     node = np.clip(first[:, None] + np.arange(4), 0, LATTICE_HEIGHT_PX - 1)
-    rows = _collected(node, texel, weights * share[:, None], (LATTICE_HEIGHT_PX, height))
+    rows = collected(node, texel, weights * share[:, None], (LATTICE_HEIGHT_PX, height))
     place = (np.arange(map_width_px * parts) + 0.5) / parts
     first, weights = cubic_weights(place / map_width_px * LATTICE_WIDTH_PX - 0.5)
     node = (first[:, None] + np.arange(4)) % LATTICE_WIDTH_PX
     texel = np.arange(map_width_px * parts) // parts
-    columns = _collected(node, texel, weights / parts, (LATTICE_WIDTH_PX, map_width_px))
+    columns = collected(node, texel, weights / parts, (LATTICE_WIDTH_PX, map_width_px))
     return Separable(rows=rows, columns=columns)
 
 
@@ -72,9 +72,10 @@ def row_parts(height_px: int, parts: int) -> tuple[NDArray[np.intp], Array, Arra
     return np.arange(cut) // parts, (edges[:-1] + edges[1:]) / 2, share
 
 
-def _collected(
+def collected(
     node: NDArray[np.intp], texel: NDArray[np.intp], weights: Array, shape: tuple[int, int]
 ) -> csr_array:
+    """A sparse matrix from (texels, k) nodes and weights, equal places added."""
     columns = np.broadcast_to(texel[:, None], node.shape)
     entries = coo_array((weights.ravel(), (node.ravel(), columns.ravel())), shape=shape)
     return entries.tocsr().astype(np.float32)

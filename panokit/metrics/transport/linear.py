@@ -122,29 +122,41 @@ class Turning:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Factored:
-    """A matrix of low rank, `left @ right`, minus a sparse one.
+class Shadowed:
+    """Light on matte surfaces of which parts are hidden, from sums that end at the last column.
+
+    What a surface of normal n receives in the open is n . (sum of light x direction), if light
+    from behind counts as negative; what it loses is the same sum over the lights that are
+    hidden from it or stand behind it. Along a row of lights these are a few runs of columns,
+    and the light in a run is the difference of two of the sums, so a surface needs only the
+    places where its hidden share changes.
 
     Attributes:
-        left: (outputs, rank) float32.
-        right: (rank, inputs) float32.
-        without: (outputs, inputs) sparse float32.
-        input_shape: Of the array that goes in, without color.
-        output_shape: Of the array that comes out, without color.
+        directions: (w, h, 3) float32 of the grid's nodes.
+        changes: (outputs, 3 * w * h) sparse float32: n times each change of the visible share.
+        output_shape: Of the picture, without color.
     """
 
-    left: Values
-    right: Values
-    without: Sparse
-    input_shape: tuple[int, ...]
+    directions: Values
+    changes: csr_array
     output_shape: tuple[int, ...]
+    _transposed: csr_array = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_transposed", self.changes.T)
 
     def forward(self, values: Values) -> Values:
-        """The difference of the two products."""
-        smooth = self.left @ (self.right @ values.reshape(-1, values.shape[-1]))
-        return smooth.reshape(*self.output_shape, -1) - self.without.forward(values)
+        """(w, h, C) -> (size, size, C)."""
+        colors = values.shape[-1]
+        weighted = np.moveaxis(self.directions, -1, 0)[..., None] * values
+        sums = np.cumsum(weighted[:, ::-1], axis=1)[:, ::-1]
+        received: Values = self.changes @ np.ascontiguousarray(sums).reshape(-1, colors)
+        return received.reshape(*self.output_shape, colors)
 
     def adjoint(self, values: Values) -> Values:
-        """The same with both matrices transposed."""
-        smooth = self.right.T @ (self.left.T @ values.reshape(-1, values.shape[-1]))
-        return smooth.reshape(*self.input_shape, -1) - self.without.adjoint(values)
+        """(size, size, C) -> (w, h, C)."""
+        colors = values.shape[-1]
+        spread = self._transposed @ np.ascontiguousarray(values.reshape(-1, colors))
+        sums = np.cumsum(spread.reshape(3, *self.directions.shape[:2], colors), axis=1)
+        light = np.einsum("kwhc,whk->whc", sums, self.directions)
+        return np.asarray(light, np.float32)

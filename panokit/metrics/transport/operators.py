@@ -11,7 +11,9 @@ from panokit.equirectangular import check_equirectangular
 from panokit.errors import ImageError, UsageError
 from panokit.metrics.transport.ball import ball_steps, disc_alpha, mirror
 from panokit.metrics.transport.linear import Step
-from panokit.metrics.transport.scenes import MIRROR_BALLS, ROUGH_BALLS, SCENES
+from panokit.metrics.transport.plane import plane_steps
+from panokit.metrics.transport.scenes import MIRROR_BALLS, PLANE, ROUGH_BALLS, SCENES
+from panokit.metrics.transport.tables import plane_table
 
 BALL_SIZE_PX = 128
 
@@ -91,12 +93,18 @@ def transport(scene: str, map_width_px: int, size_px: int | None = None) -> Tran
     if map_width_px < 16 or map_width_px % 2:
         raise UsageError(f"A map is 16 pixels wide or more, and even, not {map_width_px}.")
     steps: tuple[Step, ...]
-    size_px = BALL_SIZE_PX if size_px is None else size_px
+    requested = size_px
+    size_px = BALL_SIZE_PX if requested is None else requested
     if scene in ROUGH_BALLS:
         alpha, steps = disc_alpha(size_px), ball_steps(scene, map_width_px, size_px)
     elif scene in MIRROR_BALLS:
         reflectance = MIRROR_BALLS[scene].normal_reflectance
         alpha, steps = disc_alpha(size_px), (mirror(map_width_px, size_px, reflectance),)
+    elif scene == PLANE:
+        side = plane_table().size_px
+        if requested not in (None, side):
+            raise UsageError(f"The plane scene is {side} pixels wide, not {requested}.")
+        alpha, steps = np.ones((side, side), np.float32), plane_steps(map_width_px)
     else:
         raise UsageError(f"There is no scene {scene!r}; the scenes are {', '.join(SCENES)}.")
     return Transport(scene=scene, map_width_px=map_width_px, alpha=alpha, steps=steps)

@@ -84,4 +84,5 @@ def _dielectric(cosine: Cosines, index: float) -> Cosines:
     inside = np.sqrt(1 - (1 - cosine**2) / index**2)
     across = (cosine - index * inside) / (cosine + index * inside)
     along = (index * cosine - inside) / (index * cosine + inside)
-    return np.asarray((across**2 + along**2) / 2)
+    reflectance: Cosines = (across**2 + along**2) / 2
+    return reflectance
