@@ -25,8 +25,9 @@ def light_direction_error_deg(
 ) -> float:
     """The mean angle between the lights of two maps, in degrees.
 
-    Nearest neighbors may be shared, so a map that finds one of three lights is not punished for
-    the other two as it should be; `panokit.metrics.light_matching` counts them.
+    Nearest neighbors may be shared, and a light that was missed costs the angle to some other
+    one, however faint: the figure mixes directions with misses.
+    `panokit.metrics.light_matching` tells them apart.
 
     "compat" gives what the published code prints, by the lights of `panokit.metrics.envmapnet`:
     both lists are cut to the length of the shorter one, in scan order, so with one light in the
