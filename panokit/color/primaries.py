@@ -63,4 +63,4 @@ def rec709_from_rgb(primaries: Sequence[float]) -> NDArray[np.float64] | None:
 
 def luminance_weights(primaries: Sequence[float]) -> NDArray[np.float64]:
     """How much R, G and B of these primaries add to luminance; they sum to 1."""
-    return xyz_from_rgb(primaries)[1]
+    return np.asarray(xyz_from_rgb(primaries)[1])

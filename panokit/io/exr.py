@@ -92,7 +92,7 @@ def read_exr(
     return pixels, {
         name.removeprefix("panokit:"): str(value)
         for name, value in source.part.attributes.items()
-        if name.startswith("panokit:")
+        if name.startswith("panokit:") and isinstance(value, str | int | float)
     }
 
 

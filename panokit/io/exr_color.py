@@ -22,12 +22,12 @@ def file_primaries(path: Path, attributes: Mapping[str, Any]) -> tuple[float, ..
     named = attributes.get("chromaticities")
     if named is None:
         return REC709
-    primaries = tuple(float(value) for value in np.asarray(named, np.float64).ravel())
-    if not any(primaries):
-        return REC709
     try:
+        primaries = tuple(float(value) for value in np.asarray(named, np.float64).ravel())
+        if not any(primaries):
+            return REC709
         rec709_from_rgb(primaries)
-    except (UsageError, np.linalg.LinAlgError) as error:
+    except (UsageError, TypeError, ValueError, np.linalg.LinAlgError) as error:
         raise ImageError(
             f"{path}: {error} Correct its chromaticities.", reason="wrong-color-model"
         ) from error
@@ -42,7 +42,8 @@ def to_rec709(
     if matrix is None and gain == 1.0:
         return pixels
     matrix = np.eye(3) if matrix is None else matrix
-    return pixels @ (matrix.T * gain).astype(np.float32)
+    with np.errstate(over="ignore", invalid="ignore"):  # found where values are checked
+        return pixels @ (matrix.T * gain).astype(np.float32)
 
 
 def rgb_from_luma_chroma(

@@ -315,6 +315,23 @@ def test_large_files_are_read_in_strips(tmp_path):
     assert tops == [0, 256, 512]
 
 
+def test_tiles_that_lie_about_their_size_cost_no_memory(tmp_path, raw_exr):
+    data = raw_exr(planes(), tile=16).to_bytes()
+    place = data.index(b"tiledesc\0") + 9 + 4
+    path = tmp_path / "a.exr"
+    path.write_bytes(data[: place + 4] + struct.pack("<I", 1 << 24) + data[place + 8 :])
+    with pytest.raises(ImageError, match="tiles of 16x16777216"):
+        read_exr(path)
+
+
+def test_header_text_in_another_encoding_is_named(tmp_path, raw_exr):
+    owner = b"owner\0string\0" + struct.pack("<i", 4) + "René".encode("latin-1")
+    path = tmp_path / "a.exr"
+    path.write_bytes(raw_exr(planes(), extra=owner).to_bytes())
+    with pytest.raises(ImageError, match=r"not UTF-8.*exrstdattr"):
+        read_exr(path)
+
+
 def test_a_scale_that_cannot_be_divided_out(tmp_path):
     path = write(tmp_path / "a.exr", **{"panokit:scale": 0.0})
     with pytest.raises(ImageError, match="panokit:scale"):
