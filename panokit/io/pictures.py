@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from panokit.capture import Capture, local_capture
 from panokit.envmap import Anchor, EnvironmentMap
-from panokit.errors import ImageError, RecordError
+from panokit.errors import ImageError, RecordError, UsageError
 from panokit.frames import Frame
 from panokit.io.exr import read_exr, write_exr
 from panokit.io.files import file_entry, read_bytes, read_json, write_bytes, write_json
@@ -199,19 +199,36 @@ def read_environment_map(
         raise ImageError(f"{path}: {error}", reason=error.reason, values=error.values) from error
 
 
-def write_environment_map(envmap: EnvironmentMap, path: Path, *, key: str = "") -> None:
-    """Write a map as float32 EXR or as Radiance .hdr, by suffix, then its record NAME.json.
+def write_environment_map(
+    envmap: EnvironmentMap,
+    path: Path,
+    *,
+    key: str = "",
+    half: bool = False,
+    compression: str = "zip",
+) -> None:
+    """Write a map as EXR or as Radiance .hdr, by suffix, then its record NAME.json.
 
     Args:
         envmap: What to write.
         path: NAME.exr or NAME.hdr.
         key: What the map was made from and with; see `panokit.records.stage_key`.
+        half: Store an EXR as half floats instead of float32; see `panokit.io.exr.write_exr`.
+        compression: Of an EXR: "zip", "piz", "dwaa", ...
+
+    Raises:
+        UsageError: If a .hdr is asked to be half or compressed otherwise.
+        ImageError: If half floats cannot hold the map's range.
+        StorageError: If a file cannot be written.
     """
     path = Path(path)
     if path.suffix.lower() == ".hdr":
+        if half or compression != "zip":
+            raise UsageError(f"{path} is a Radiance file, which has one form. Write an .exr.")
         write_radiance(path, envmap.radiance)
     else:
-        write_exr(path, envmap.radiance, _attributes(envmap))
+        attributes = _attributes(envmap)
+        write_exr(path, envmap.radiance, attributes, half=half, compression=compression)
     write_json(
         record_path(path),
         {
@@ -232,6 +249,8 @@ def _attributes(envmap: EnvironmentMap) -> dict[str, Any]:
         "panokit:anchor": str(envmap.anchor),
         "panokit:projection": "equirectangular",
     }
+    if envmap.anchor is Anchor.LUMINANCE:
+        attributes["whiteLuminance"] = 1.0  # cd/m2 of R = G = B = 1
     capture = envmap.capture
     if capture is None:
         return attributes

@@ -9,7 +9,7 @@ from PIL import Image
 
 from panokit.capture import TimePrecision
 from panokit.envmap import Anchor
-from panokit.errors import ImageError, RecordError
+from panokit.errors import ImageError, RecordError, UsageError
 from panokit.frames import Frame
 from panokit.io import (
     read_environment_map,
@@ -146,3 +146,29 @@ def test_a_cropped_panorama_is_placed_in_its_sphere(tmp_path):
     rows, columns = np.nonzero(panorama.valid)
     assert (rows.min(), rows.max(), columns.min(), columns.max()) == (64, 159, 128, 383)
     assert panorama.pixels[panorama.valid].min() > 190
+
+
+def test_half_maps_are_scaled_and_come_back(tmp_path, sunny):
+    radiance = sunny.radiance * np.float32(10)  # a sun of 6e5
+    bright = sunny.with_changes(radiance=radiance, anchor=Anchor.LUMINANCE)
+    write_environment_map(bright, tmp_path / "a.exr", half=True, compression="piz")
+    back = read_environment_map(tmp_path / "a.exr")
+    np.testing.assert_allclose(back.radiance, radiance, rtol=2e-3)
+    with OpenEXR.File(str(tmp_path / "a.exr")) as file:
+        header = dict(file.header())
+    # What a reader that knows nothing of panokit:scale needs for cd/m2.
+    assert header["whiteLuminance"] * header["panokit:scale"] == 1
+    with pytest.raises(UsageError, match="one form"):
+        write_environment_map(bright, tmp_path / "a.hdr", half=True)
+
+
+def test_a_layer_of_a_part_is_a_map(tmp_path, sunny):
+    parts = [
+        OpenEXR.Part({}, {f"key.{n}": sunny.radiance[..., i].copy() for i, n in enumerate("RGB")},
+                     "lights"),
+        OpenEXR.Part({}, {"Z": sunny.radiance[..., 0].copy()}, "depth"),
+    ]  # fmt: skip
+    with OpenEXR.File(parts) as file:
+        file.write(str(tmp_path / "a.exr"))
+    back = read_environment_map(tmp_path / "a.exr", part="lights", layer="key")
+    np.testing.assert_array_equal(back.radiance, sunny.radiance)
