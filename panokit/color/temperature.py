@@ -11,16 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.color.primaries import REC709, xyz_from_rgb
 from panokit.errors import UsageError
 
-# IEC 61966-2-1: linear Rec.709 RGB with white D65 to CIE 1931 XYZ.
-_XYZ_FROM_REC709 = np.array(
-    [
-        [0.4124, 0.3576, 0.1805],
-        [0.2126, 0.7152, 0.0722],
-        [0.0193, 0.1192, 0.9505],
-    ]
-)
+_XYZ_FROM_REC709 = xyz_from_rgb(REC709)
 _XYZ_FROM_REC709.setflags(write=False)
 
 # CIE 15: the concept is not to be used farther than this from the Planckian locus.

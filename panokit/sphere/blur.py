@@ -8,7 +8,7 @@ from panokit.equirectangular import check_equirectangular
 from panokit.errors import ImageError, UsageError
 from panokit.sphere.harmonics import harmonics_degrees, harmonics_map, project_harmonics
 from panokit.sphere.harmonics_filters import vmf_factors
-from panokit.sphere.irradiance import energy
+from panokit.sphere.irradiance import check_radiance, energy
 from panokit.sphere.solid_angle import row_solid_angles
 
 # Where the kernel has fallen below exp(-_REACH) of its peak it is left out: a sun of 10^5 times
@@ -44,6 +44,7 @@ def blur_radiance(radiance: NDArray[np.floating], kappa: float) -> NDArray[np.fl
     """
     radiance = np.asarray(radiance)
     check_equirectangular(radiance)
+    check_radiance(radiance)
     if not kappa >= 0:
         raise UsageError(f"kappa is at least 0, not {kappa}.")
     if not np.isfinite(radiance).all():

@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.errors import ImageError, UsageError
+from panokit.sphere.irradiance import check_radiance
 from panokit.sphere.solid_angle import row_solid_angles
 
 Coefficients = NDArray[np.float64]
@@ -93,10 +94,7 @@ def project_harmonics(
     """
     _check_order(order)
     radiance = np.asarray(radiance)
-    if radiance.ndim != 3 or not radiance.size:
-        raise ImageError(
-            f"Expected radiance of shape (H, W, C), got {radiance.shape}.", reason="wrong-channels"
-        )
+    check_radiance(radiance)
     height, width, channels = radiance.shape
     _check_size(height, width, order)
     spectrum = np.empty((height, order + 1, channels), np.complex128)

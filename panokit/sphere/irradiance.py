@@ -80,19 +80,34 @@ def irradiance(
         (..., C) float64.
 
     Raises:
-        ImageError: If the map has no channel axis or no pixels.
+        ImageError: If the map has no channel axis or no pixels, is of integers or not finite.
         UsageError: If the normals' last axis is not 3.
     """
     radiance, normals = np.asarray(radiance), np.asarray(normals)
-    if radiance.ndim != 3 or not radiance.size:
-        raise ImageError(
-            f"Expected radiance of shape (H, W, C), got {radiance.shape}.", reason="wrong-channels"
-        )
+    check_radiance(radiance)
     if normals.shape[-1:] != (3,):
         raise UsageError(f"Normals have shape (..., 3), not {normals.shape}.")
     flat = normals.reshape(-1, 3)
     received = _summed(radiance, flat) if exact else _gathered_both_sides(radiance, flat)[0]
     return received.reshape(*normals.shape[:-1], radiance.shape[2])
+
+
+def check_radiance(radiance: NDArray[Any]) -> None:
+    """Check that an array can be a map of radiance: (H, W, C), with pixels, of floats.
+
+    Raises:
+        ImageError: If not, with what to do.
+    """
+    if radiance.ndim != 3 or not radiance.size:
+        raise ImageError(
+            f"Expected radiance of shape (H, W, C), got {radiance.shape}.", reason="wrong-channels"
+        )
+    if not np.issubdtype(radiance.dtype, np.floating):
+        raise ImageError(
+            f"Radiance is linear and of floats, not {radiance.dtype}. Decode display values "
+            "with panokit.color.srgb_decode.",
+            reason="wrong-dtype",
+        )
 
 
 def irradiance_map(radiance: NDArray[np.floating[Any]], width_px: int = 64) -> NDArray[np.float32]:
@@ -103,6 +118,7 @@ def irradiance_map(radiance: NDArray[np.floating[Any]], width_px: int = 64) -> N
     """
     if width_px < 2 or width_px % 2:
         raise UsageError(f"The width of the map must be even and at least 2, not {width_px}.")
+    check_radiance(np.asarray(radiance))
     height = width_px // 2
     normals = equirect_directions(width_px, height)
     if height % 2:
@@ -161,6 +177,11 @@ def _gathered_both_sides(
     toward = np.ascontiguousarray(vectors.sum(axis=1).T)
     moments = np.ascontiguousarray(vectors.reshape(len(vectors), -1))
     everything = moments.sum(axis=0, dtype=np.float64)
+    if not np.isfinite(everything).all():
+        raise ImageError(
+            "The map holds values that are not finite. Replace them before lighting with it.",
+            reason="not-finite",
+        )
     front, back = np.empty((2, len(normals), channels))
     step = max(_CHUNK // len(vectors), 1)
     for start in range(0, len(normals), step):

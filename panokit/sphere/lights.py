@@ -14,7 +14,7 @@ from panokit.color.luminance import luminance
 from panokit.equirectangular import check_equirectangular, read_only
 from panokit.errors import ImageError, UsageError
 from panokit.sphere.equirect import equirect_directions
-from panokit.sphere.irradiance import energy, irradiance
+from panokit.sphere.irradiance import check_radiance, energy, irradiance
 from panokit.sphere.lights_regions import find_light_regions
 from panokit.sphere.resample import resize_radiance
 from panokit.sphere.solid_angle import row_solid_angles
@@ -127,6 +127,7 @@ def find_lights(
     """
     radiance = np.asarray(radiance)
     check_equirectangular(radiance)
+    check_radiance(radiance)
     if most < 0:
         raise UsageError(f"The number of lights is at least 0, not {most}.")
     radiance = radiance.astype(np.float32, copy=False)

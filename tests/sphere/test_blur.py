@@ -101,5 +101,7 @@ def test_bad_calls_say_what_is_wrong():
         blur_radiance(random_map(), float("nan"))
     with pytest.raises(ImageError, match="not finite"):
         blur_radiance(np.full((8, 16, 3), np.inf), 3)
+    with pytest.raises(ImageError, match="srgb_decode"):
+        blur_radiance(np.ones((8, 16, 3), np.uint8), 3)
     with pytest.raises(ImageError, match="wide"):
         blur_radiance(np.ones((8, 8, 3)), 3)

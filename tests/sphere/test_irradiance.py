@@ -113,6 +113,10 @@ def test_bad_calls_say_what_is_wrong():
         irradiance(np.ones((8, 16)), np.eye(3))
     with pytest.raises(ImageError, match="shape"):
         irradiance(np.ones((0, 0, 3)), np.eye(3))
+    with pytest.raises(ImageError, match="finite"):
+        irradiance(np.full((8, 16, 3), np.nan), np.eye(3))
+    with pytest.raises(ImageError, match="srgb_decode"):
+        irradiance_map(np.ones((8, 16, 3), np.uint8))
     with pytest.raises(UsageError, match="Normals"):
         irradiance(np.ones((8, 16, 3)), np.ones(2))
     with pytest.raises(UsageError, match="even"):

@@ -148,6 +148,8 @@ def test_bad_maps_are_refused():
         find_lights(np.ones((8, 8, 3)))
     with pytest.raises(ImageError, match="RGB"):
         find_lights(np.ones((8, 16)))
+    with pytest.raises(ImageError, match="srgb_decode"):
+        find_lights(np.ones((8, 16, 3), np.uint8))
     with pytest.raises(ImageError, match="not negative"):
         find_lights(np.full((8, 16, 3), -1.0))
     with pytest.raises(ImageError, match="finite"):
