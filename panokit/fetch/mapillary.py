@@ -84,17 +84,11 @@ class Mapillary:
             address = self._new_address(found)
         try:
             return self._picture(found, address)
-        except AuthError:
+        except ItemError as error:
             # The storage refuses an address that it does not take for good any more.
-            return self._picture_again(found)
-
-    def _picture_again(self, found: Found) -> bytes:
-        try:
-            return self._picture(found, self._new_address(found))
-        except AuthError as error:
-            raise NetworkError(
-                f"Mapillary's storage refuses even a fresh address: {error}"
-            ) from None
+            if error.reason != "forbidden":
+                raise
+        return self._picture(found, self._new_address(found))
 
     def _picture(self, found: Found, address: str) -> bytes:
         request = Request(
