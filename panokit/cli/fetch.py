@@ -34,7 +34,7 @@ def fetch(
     console = Console(as_json=json)
     run = RunFolder(out)
     if not settings.dry_run:
-        run.create().remove_leftovers()
+        run.create()
     result = fetch_into(settings, run, console)
     # A place without pictures is a rejection too, but no panorama that was rejected.
     rejected = sum(one.reason != "no-imagery" for one in result.rejections)

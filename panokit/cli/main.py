@@ -4,8 +4,11 @@ Commands are named by text and loaded when called, so `panokit --help` loads not
 """
 
 import os
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 
@@ -55,6 +58,7 @@ _GROUPS = {
     ),
 }
 _INTERRUPTED = 130
+_TERMINATED = 143
 _BROKEN_PIPE = 141
 
 
@@ -89,16 +93,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code; errors become one line on standard error."""
     tokens = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        code = build_app()(
-            tokens, exit_on_error=False, print_error=False, result_action="return_value"
-        )
+        with _terminated_like_interrupted():
+            code = build_app()(
+                tokens, exit_on_error=False, print_error=False, result_action="return_value"
+            )
     except CycloptsError as error:
         return _fail(_usage_text(error), 2)
     except PanokitError as error:
         return _fail(_one_line(str(error)), error.exit_code)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         return _fail("Interrupted; what was done is kept. Run the same command to go on.",
-                     _INTERRUPTED)  # fmt: skip
+                     _TERMINATED if isinstance(stop, _Terminated) else _INTERRUPTED)  # fmt: skip
     except BrokenPipeError:
         # The reader of our output went away (`panokit probes list | head`): not an error.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -110,6 +115,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
         path = Path(error.filename) if error.filename else Path()
         return _fail(str(storage_error("use", path, error)), StorageError.exit_code)
     return code if isinstance(code, int) else 0
+
+
+class _Terminated(KeyboardInterrupt):
+    """The request to end, as schedulers and shutdowns send it."""
+
+
+@contextmanager
+def _terminated_like_interrupted() -> Iterator[None]:
+    """Let SIGTERM unwind the program, so that it leaves the same order as Ctrl-C does."""
+    is_ours = (
+        threading.current_thread() is threading.main_thread()
+        and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    )
+    if not is_ours:
+        yield
+        return
+
+    def end(*_: object) -> None:
+        raise _Terminated
+
+    signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def _fail(message: str, code: int) -> int:

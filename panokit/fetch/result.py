@@ -24,6 +24,7 @@ class FetchEvent:
         message: One line for a person.
         done: Panoramas of this place that are there now.
         wanted: Panoramas of this place that were asked for, 0 for all there are.
+        rejection: Of a panorama that was rejected.
     """
 
     kind: EventKind
@@ -31,6 +32,13 @@ class FetchEvent:
     message: str = ""
     done: int = 0
     wanted: int = 0
+    rejection: Rejection | None = None
+
+    @property
+    def verdict(self) -> Rejection | None:
+        """The rejection, if it is one that will not change."""
+        one = self.rejection
+        return one if one is not None and one.reason in PERMANENT_REASONS else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,9 +2,10 @@
 
 from collections import Counter
 from collections.abc import Callable, Container, Iterator, Sequence
-from contextlib import closing
+from contextlib import ExitStack, closing
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 from panokit.errors import Rejection
 from panokit.fetch.places import Place
@@ -12,6 +13,7 @@ from panokit.fetch.plan import plan_of
 from panokit.fetch.prices import price_of
 from panokit.fetch.provider import Found, position_of
 from panokit.fetch.result import EventKind, FetchEvent, FetchPlan, FetchResult
+from panokit.fetch.run_lock import only_run, remove_unfinished
 from panokit.fetch.selection import Selection
 from panokit.fetch.settings import FetchSettings
 from panokit.fetch.sources import SOURCES
@@ -58,10 +60,13 @@ def fetch(
         StorageError: If the disk is full or the folder cannot be written.
     """
     places = areas_of(settings)
-    if client is not None:
-        return _Fetching(settings, out, client, report, known).run(places)
-    with _client(settings) as own_client:
-        return _Fetching(settings, out, own_client, report, known).run(places)
+    with ExitStack() as stack:
+        client = client or stack.enter_context(_client(settings))
+        fetching = _Fetching(settings, out, client, report, known)
+        if not settings.dry_run:
+            stack.enter_context(only_run(Path(out)))
+            remove_unfinished(Path(out))
+        return fetching.run(places)
 
 
 class _Fetching:
@@ -154,7 +159,7 @@ class _Fetching:
 
     def _reject(self, rejection: Rejection) -> None:
         self._rejections.append(rejection)
-        self._tell("rejected", rejection.item, rejection.message)
+        self._tell("rejected", rejection.item, rejection.message, rejection=rejection)
 
     def _fall_short(self, place: Place, have: int, wanted: int, passed_over: Counter[str]) -> None:
         """Say that a place has fewer pictures than wanted; without any it is rejected."""
@@ -188,9 +193,9 @@ class _Fetching:
                 there.append(stored)
         return there
 
-    def _tell(self, kind: EventKind, item: str, message: str = "", **counts: int) -> None:
+    def _tell(self, kind: EventKind, item: str, message: str = "", **more: Any) -> None:
         if self._report is not None:
-            self._report(FetchEvent(kind=kind, item=item, message=message, **counts))
+            self._report(FetchEvent(kind=kind, item=item, message=message, **more))
 
 
 def _filed(

@@ -86,11 +86,13 @@ class Download:
         return self._write_record({name: file.digest for name, file in files.items()})
 
     def cancel(self) -> None:
-        """Stop, wait for what is under way, and leave nothing on disk."""
+        """Stop, wait for what is under way, and leave nothing on disk that is not whole."""
         for future in self._files.values():
             future.cancel()
         wait(self._files.values())
-        self.discard()
+        # An interrupt may come between the record and the return: then it is whole.
+        if not (self._folder / RECORD).exists():
+            self.discard()
 
     def discard(self) -> None:
         """Remove the folder and what is in it."""

@@ -72,13 +72,13 @@ def fetch_into(settings: FetchSettings, run: RunFolder, console: Console) -> Fet
                 tick(rejected=event.kind == "rejected")
             if event.kind in ("rejected", "short"):
                 console.note(f"fetch: {event.item}: {event.message}")
+            if event.verdict is not None and not settings.dry_run:
+                ledger.add(event.verdict)  # at once: the run may be killed before its end
             if not settings.dry_run:
                 run.log(f"fetch-{event.kind}", item=event.item, message=event.message)
 
         result = fetch(settings, run.root, report=report, known=known)
     if not settings.dry_run:
-        for rejection in result.verdicts:
-            ledger.add(rejection)
         captures = stored_captures(run.captures).values()
         if captures:
             write_attribution(run.root, (stored.capture for stored in captures))

@@ -9,7 +9,7 @@ from panokit.errors import LicenseError, NetworkError, OutageError, QuotaError, 
 from panokit.fetch import PlaceSettings, fetch
 from panokit.http import Client, Policy
 from panokit.io import read_capture
-from panokit.io.captures import RECORD
+from panokit.io.captures import RECORD, write_capture
 from panokit.io.files import read_json, write_bytes
 from panokit.synthetic.fault_language import parse_faults
 from panokit.synthetic.faults import Faults, Trouble
@@ -220,6 +220,18 @@ def test_an_interrupt_leaves_whole_captures_only(server, tmp_path):
     assert incomplete(tmp_path) == []
     assert not [one for one in threading.enumerate() if "panokit-fetch" in one.name]
     assert len(fetch(google(server), tmp_path).stored) == 3
+
+
+def test_an_interrupt_right_after_the_record_loses_nothing(server, tmp_path, monkeypatch):
+    def interrupt(stored, raw=None):
+        write_capture(stored, raw)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("panokit.fetch.store.write_capture", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        fetch(google(server), tmp_path)
+    assert len(folders(tmp_path)) == 1
+    assert incomplete(tmp_path) == []
 
 
 def test_what_a_killed_run_left_is_replaced(server, tmp_path):
