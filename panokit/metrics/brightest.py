@@ -80,7 +80,8 @@ def dominance_ratio(radiance: Radiance) -> float:
 
     The mean luminance in the brightest cap of 15 degrees radius, over that of the brightest
     cap that does not overlap it, at 64x32 pixels. 1 is a uniform sky or two equal lamps; a sun
-    in a clear sky has tens. A black map has 1.
+    in a clear sky has tens. A black map has 1. No light needs to be found for it; the dominance
+    of a light list (`panokit.sphere.lights`) compares the lights that were found.
 
     Args:
         radiance: (H, W, 3), linear; any scale.

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.metrics.pairs import check_radiance, check_same_shape
 from panokit.metrics.similarity import SsimSettings, ssim
 from panokit.sphere import row_solid_angles
 
@@ -59,11 +60,13 @@ def pu21_psnr(estimate: Array, truth: Array) -> float:
     Infinite for equal maps. Do not read it alone: with a sun in the picture it prefers an
     estimate without one (see `pu21_crf_psnr`).
     """
+    _check(estimate, truth)
     return _psnr(estimate * CLIP_LEVEL_CD_M2, truth * CLIP_LEVEL_CD_M2)
 
 
 def pu21_psnr_y(estimate: Array, truth: Array) -> float:
     """As `pu21_psnr`, of luminance alone: PSNRY of the published code."""
+    _check(estimate, truth)
     guess, true = (_luminance_cd_m2(radiance)[..., None] for radiance in (estimate, truth))
     return _psnr(guess, true)
 
@@ -75,12 +78,14 @@ def pu21_ssim(estimate: Array, truth: Array) -> float:
     picture as flat). Hanji et al. advise against it for single-image HDR: it ranks methods
     unlike people do. In units of the clip level, (H, W, 3).
     """
+    _check(estimate, truth)
     guess, true = (pu21_encode(_luminance_cd_m2(radiance)) for radiance in (estimate, truth))
     return ssim(guess[..., None], true[..., None], _SSIM)
 
 
 def pu21_crf_psnr(estimate: Array, truth: Array) -> float:
     """PU21-PSNR in dB after the tone and color correction of Hanji et al. 2022."""
+    _check(estimate, truth)
     guess = np.asarray(estimate, np.float64) * CLIP_LEVEL_CD_M2
     true = np.asarray(truth, np.float64) * CLIP_LEVEL_CD_M2
     return _psnr(_tone_corrected(guess, true), true)
@@ -88,6 +93,12 @@ def pu21_crf_psnr(estimate: Array, truth: Array) -> float:
 
 def _luminance_cd_m2(radiance: Array) -> NDArray[np.float64]:
     return np.asarray(np.asarray(radiance, np.float64) @ _LUMINANCE * CLIP_LEVEL_CD_M2)
+
+
+def _check(estimate: Array, truth: Array) -> None:
+    check_same_shape(estimate, truth)
+    for radiance in (estimate, truth):
+        check_radiance(np.asarray(radiance))
 
 
 def _psnr(estimate: Array, truth: Array) -> float:

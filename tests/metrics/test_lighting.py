@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from panokit.errors import UsageError
+from panokit.errors import ImageError, UsageError
 from panokit.metrics import (
     beyond_clip_ratio,
     energy_ratio,
@@ -66,3 +66,19 @@ def test_irradiance_error_of_missing_side_light_is_on_that_side():
 def test_maps_of_different_sizes_are_refused():
     with pytest.raises(UsageError, match="resize_radiance"):
         check_same_shape(np.zeros((8, 16, 3)), np.zeros((16, 32, 3)))
+
+
+@pytest.mark.parametrize(
+    "measure",
+    [energy_ratio, beyond_clip_ratio, irradiance_errors, light_vector_error_deg, peak_error_deg],
+)
+def test_what_is_no_radiance_is_refused(measure):
+    good = lit(20, 40)
+    for wrong, words in (
+        (good.astype(np.uint8), "uint8"),
+        (good[..., :1], "RGB"),
+        (good[:, :90], "2:1"),
+        (good * np.float32(np.inf), "not finite"),
+    ):
+        with pytest.raises(ImageError, match=words):
+            measure(wrong, good)
