@@ -19,6 +19,7 @@ from panokit.io.radiance_coding import Scanlines, encode_scanlines
 from panokit.io.radiance_header import RadianceHeader, parse_radiance_header
 
 _STRIP_ROWS = 256
+_PIXELS_AT_ONCE = 1 << 20  # small strips stay in the cache: faster than all at once
 # XYZE is in cd/m2, RGBE in W/(sr m2): 179 lm/W (WHTEFFICACY in Radiance's color.h).
 _LUMEN_PER_WATT = 179.0
 _HEADER = "#?RADIANCE\nSOFTWARE=panokit\nPRIMARIES={}\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n"
@@ -37,8 +38,16 @@ def read_radiance(path: Path) -> NDArray[np.float32]:
     """
     data = read_bytes(path)
     header = parse_radiance_header(data, str(path), len(data))
-    scanlines = Scanlines(data, header, str(path)).read(0, header.scanlines)
-    return _upright(_as_radiance(scanlines, header, str(path)), header)
+    stored = Scanlines(data, header, str(path))
+    at_once = max(1, _PIXELS_AT_ONCE // header.scanline_px)
+    if header.scanlines <= at_once:
+        scanlines = _as_radiance(stored.read(0, header.scanlines), header, str(path))
+        return _upright(scanlines, header)
+    scanlines = np.empty((header.scanlines, header.scanline_px, 3), np.float32)
+    for first in range(0, header.scanlines, at_once):
+        strip = stored.read(first, min(at_once, header.scanlines - first))
+        scanlines[first : first + at_once] = _as_radiance(strip, header, str(path))
+    return _upright(scanlines, header)
 
 
 def read_radiance_header(path: Path) -> RadianceHeader:

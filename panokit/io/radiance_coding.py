@@ -6,7 +6,6 @@ other), old run lengths (a pixel 1, 1, 1, n repeats the one before), and flat (4
 Bruce Walter's rgbe.c and nearly every reader; Radiance's own programs add half a mantissa step.
 """
 
-import re
 from typing import Any
 
 import cv2
@@ -74,8 +73,10 @@ class Scanlines:
         """Where each scanline begins, and where the last one ends."""
         if self._starts is None:
             first, count = self._header.data_offset, self._header.scanlines
-            marks = re.compile(b"(?=" + re.escape(self._mark) + b")")
-            found = [match.start() for match in marks.finditer(self._data, first)]
+            found, place = [], self._data.find(self._mark, first)
+            while place >= 0 and len(found) <= count:
+                found.append(place)
+                place = self._data.find(self._mark, place + 1)
             if len(found) == count:
                 # Every scanline begins with the mark, so these are all of them.
                 self._starts = [*found, len(self._data)]
