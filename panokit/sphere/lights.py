@@ -23,6 +23,9 @@ from panokit.sphere.solid_angle import row_solid_angles
 _WIDEST_PX = 1024
 # Nearer than this, two lights cast much the same shadow: panes of one window, lamps of a cluster.
 _RIVAL_DEG = 30.0
+# A light of this radius must be twice as strong as a small one to count as dominant, one of
+# twice this radius three times: its shadows have no edges, so they must be deeper to be seen.
+_SOFT_DEG = 4.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -119,7 +122,9 @@ def find_lights(
         most: No more lights than this; the weakest go into the ambient light.
         least_share: A light gives at least this share of the map's luminance.
         largest_sr: A light covers at most this solid angle, in steradians; more is a sky.
-        least_key_to_fill: A primary light with less than this over the other light is none.
+        least_key_to_fill: A primary light with less than this over the other light is none. A
+            soft one needs more, times 1 + its radius / 4 degrees: a sun is seen to cast
+            shadows where a bright cloud of the same strength is not.
         least_dominance: A primary light with less than this over its rival is none.
 
     Raises:
@@ -146,7 +151,7 @@ def find_lights(
     dominance = _dominance(lights)
     if not lights:
         abstained = "no-lights"
-    elif key_to_fill < least_key_to_fill:
+    elif key_to_fill < least_key_to_fill * (1 + lights[0].angular_radius / np.deg2rad(_SOFT_DEG)):
         abstained = "weak"
     else:
         abstained = "ambiguous" if dominance < least_dominance else ""

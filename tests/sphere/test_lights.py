@@ -101,6 +101,19 @@ def test_a_faint_lamp_in_much_other_light_is_weak():
     assert find_lights(room, least_key_to_fill=0.01).primary is not None
 
 
+def test_a_soft_light_must_be_stronger_than_a_small_one_to_dominate():
+    def in_gray(radius_deg, value):
+        room = np.full((WIDTH // 2, WIDTH, 3), 1.0, np.float32)
+        disk(room, 20, 30, radius_deg, value)
+        return find_lights(room)
+
+    small, soft = in_gray(1.5, 450), in_gray(15, 5.5)
+    assert soft.key_to_fill == pytest.approx(small.key_to_fill, rel=0.3)
+    assert small.primary is not None
+    assert soft.abstained == "weak"
+    assert in_gray(15, 20).primary is not None
+
+
 def test_glazing_bars_do_not_make_a_window_many():
     room = np.full((WIDTH // 2, WIDTH, 3), 0.2, np.float32)
     room[90:140, 200:260] = 12
