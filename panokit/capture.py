@@ -129,8 +129,7 @@ class Capture:
     @property
     def key(self) -> str:
         """A name for files: the id where it is a safe file name, else made safe, with provider."""
-        safe = re.sub(r"[^A-Za-z0-9._-]+", "_", f"{self.provider}-{self.id}").strip("._")
-        return safe[:120]
+        return capture_key(self.provider, self.id)
 
     @property
     def world_from_camera(self) -> Rotation | None:
@@ -171,6 +170,12 @@ class Capture:
                 f"This is not a capture record ({error}). Fetch the picture again.",
                 reason="bad-capture-record",
             ) from error
+
+
+def capture_key(provider: str, id: str) -> str:
+    """What a capture's files are called, with its provider and its id there."""
+    safe = re.sub(r"[^A-Za-z0-9._-]+", "_", f"{provider}-{id}").strip("._")
+    return safe[:120]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

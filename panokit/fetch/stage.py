@@ -19,7 +19,7 @@ from panokit.fetch.settings import FetchSettings
 from panokit.fetch.sources import SOURCES
 from panokit.fetch.store import stored_captures
 from panokit.fetch.transfer import Transfer
-from panokit.fetch.where import areas_of, wanted_of
+from panokit.fetch.where import areas_of, keys_of, wanted_of, without_pictures
 from panokit.http import Budget, Client, Policy
 from panokit.io.captures import StoredCapture
 
@@ -84,10 +84,12 @@ class _Fetching:
         self._client = client
         self._report = report
         self._known = known
-        self._provider = SOURCES[settings.source](settings, client)
         captures = Path(out) / "captures"
-        self._transfer = Transfer(self._provider, client, captures, settings)
         self._on_disk = stored_captures(captures)
+        self._named = [key for key in keys_of(settings) if key in self._on_disk]
+        missing = without_pictures(settings, lambda key: key in self._on_disk or key in known)
+        self._provider = SOURCES[settings.source](missing, client)
+        self._transfer = Transfer(self._provider, client, captures, settings)
         self._planned: list[Found] = []
         self._stored: list[StoredCapture] = []
         self._existing: list[StoredCapture] = []
@@ -110,18 +112,18 @@ class _Fetching:
         )
 
     def _run_place(self, place: Place | None) -> None:
-        existing = [] if place is None else self._already_there(place)
+        existing = self._already_there(place)
         wanted = wanted_of(place, self._settings)
         missing = None if wanted is None else max(wanted - len(existing), 0)
-        if place is not None:
-            self._tell("place", place.name, done=len(existing))
+        name = "the pictures named" if place is None else place.name
+        self._tell("place", name, done=len(existing), wanted=wanted or 0)
         selection = Selection(self._settings, place, self._on_disk, self._known)
         fresh = 0
         if missing != 0:
             candidates = _filed(selection.candidates(self._provider), place)
             bring = self._list if self._settings.dry_run else self._fetch
             fresh = bring(candidates, missing)
-        self._existing += selection.met_again if place is None else existing
+        self._existing += [*existing, *(selection.met_again if place is None else ())]
         self._passed_over.update(selection.passed_over)
         if place is not None and fresh < (missing or 0):
             have = len(existing) + fresh
@@ -180,8 +182,13 @@ class _Fetching:
                 Rejection(item=place.name, stage="fetch", reason="no-imagery", message=message)
             )
 
-    def _already_there(self, place: Place) -> list[StoredCapture]:
-        """The source's captures on disk that are of this place, whatever it was called."""
+    def _already_there(self, place: Place | None) -> list[StoredCapture]:
+        """The source's captures on disk that are of this place, whatever it was called.
+
+        Without a place, those that are asked for by id.
+        """
+        if place is None:
+            return [self._on_disk[key] for key in self._named]
         there = []
         for stored in self._on_disk.values():
             capture = stored.capture

@@ -1,9 +1,10 @@
 """What the settings say of where to look: areas, and pictures by their ids."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from panokit.capture import capture_key
 from panokit.errors import PlaceError
 from panokit.fetch.cities import find_city
 from panokit.fetch.picture_ids import picture_ids
@@ -34,7 +35,21 @@ def areas_of(settings: FetchSettings) -> list[Place | None]:
 def ids_of(settings: FetchSettings) -> tuple[str, ...]:
     """The ids of the pictures that are asked for by name, each once."""
     texts = (*settings.pictures, *_listed(settings.picture_list))
+    if not texts:
+        return ()
     return picture_ids(settings.source, texts)
+
+
+def keys_of(settings: FetchSettings) -> list[str]:
+    """The capture keys of the pictures that are asked for by id."""
+    return [capture_key(settings.source, id) for id in ids_of(settings)]
+
+
+def without_pictures(settings: FetchSettings, is_settled: Callable[[str], bool]) -> FetchSettings:
+    """The same settings, without the pictures whose capture key is settled."""
+    ids = ids_of(settings)
+    left = tuple(id for id in ids if not is_settled(capture_key(settings.source, id)))
+    return settings.model_copy(update={"pictures": left, "picture_list": None})
 
 
 def wanted_of(area: Place | None, settings: FetchSettings) -> int | None:

@@ -66,7 +66,7 @@ def fetch_into(settings: FetchSettings, run: RunFolder, console: Console) -> Fet
 
         def report(event: FetchEvent) -> None:
             if event.kind == "place":
-                for _ in range(min(event.done, settings.count)):
+                for _ in range(min(event.done, event.wanted or event.done)):
                     tick()
             if event.kind in ("stored", "rejected"):
                 tick(rejected=event.kind == "rejected")

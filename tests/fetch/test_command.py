@@ -21,6 +21,14 @@ def test_all_that_was_wanted_is_there(server, tmp_path, capsys):
     assert output.err.count("fetch: 2 of 2") == 2
 
 
+def test_the_credits_come_with_the_run(server, tmp_path):
+    assert typed(server, tmp_path, *BOX, "--count", "2") == 0
+    sheet = (tmp_path / "ATTRIBUTION.md").read_text()
+    assert "google-maps-platform" in sheet
+    assert "may not be kept, changed or used for training" in sheet
+    assert (tmp_path / "ATTRIBUTION.csv").read_text().count("\n") == 3
+
+
 def test_a_shortage_is_told_and_ends_with_1(server, tmp_path, capsys):
     assert typed(server, tmp_path, *BOX, "--count", "5", "--json") == 1
     ((place, counts),) = json.loads(capsys.readouterr().out)["short"].items()

@@ -7,10 +7,16 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from panokit.errors import PlaceError
-from panokit.fetch import FetchSettings, PlaceSettings, find_city
+from panokit.fetch import FetchSettings, PlaceSettings, cities, find_city
 from panokit.fetch.geodesy import offset
 from panokit.fetch.places import box, disc
 from panokit.fetch.where import places_of
+
+
+@pytest.fixture(autouse=True)
+def _without_the_extra(monkeypatch):
+    monkeypatch.setattr(cities, "_EXTRA", "no_such_package_here")
+
 
 TABLE = list(
     csv.DictReader(files("panokit.fetch").joinpath("cities.csv").read_text("utf-8").splitlines())

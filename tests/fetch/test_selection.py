@@ -85,6 +85,11 @@ def test_what_is_not_wanted_is_counted_by_reason(found, reason):
     assert set(passed_over) == {reason}
 
 
+def test_indoor_panoramas_are_taken_where_they_are_wanted():
+    shelf = Shelf(picture("in", details={"imagery_type": "indoor"}))
+    assert select(shelf, indoor=True)[0] == ["in"]
+
+
 def test_consent_stands_in_for_a_license():
     closed = picture("closed", license=License(id="google-maps-platform", attribution="Google"))
     assert select(Shelf(closed, may_store=True))[0] == ["closed"]
