@@ -52,9 +52,16 @@ class MetricProtocol:
 
     def score(self, *inputs: Any) -> float:
         """The figure of these inputs."""
+        return self.part_of(self.result(*inputs))
+
+    def result(self, *inputs: Any) -> Any:
+        """What the function returns, of which several protocols may be parts."""
         module, name = self.function.split(":")
         function = getattr(import_module(f"panokit.metrics.{module}"), name)
-        result = function(*inputs, **self.options)
+        return function(*inputs, **self.options)
+
+    def part_of(self, result: Any) -> float:
+        """This figure out of a `result`."""
         return float(getattr(result, self.part) if self.part else result)
 
 
@@ -246,8 +253,13 @@ def native_scores(estimate: Radiance, truth: Radiance) -> dict[str, float]:
             in units of the clip level, which PSNR and DSSIM take as their peak.
         truth: As `estimate`.
     """
-    return {
-        name: row.score(estimate, truth)
-        for name, row in PROTOCOLS.items()
-        if row.variant == "native"
-    }
+    results: dict[tuple[str, str], Any] = {}
+    scores = {}
+    for name, row in PROTOCOLS.items():
+        if row.variant != "native":
+            continue
+        call = row.function, repr(row.options)
+        if call not in results:
+            results[call] = row.result(estimate, truth)
+        scores[name] = row.part_of(results[call])
+    return scores

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from panokit.errors import UsageError
+from panokit.io import read_environment_map
 from panokit.metrics import brightest_deg, brightest_px, dominance_ratio, has_dominant_light
 
 
@@ -63,6 +64,22 @@ def test_a_lone_lamp_in_the_dark_dominates_beyond_measure():
     alone = np.zeros((32, 64, 3), np.float32)
     alone[10, 10] = 1
     assert dominance_ratio(alone) == float("inf")
+
+
+@pytest.mark.data
+@pytest.mark.parametrize(
+    ("name", "dominant"),
+    [
+        ("kloofendal_overcast_1k", False),
+        ("vestibule_1k", False),
+        ("pmndrs_venice_1k", False),
+        ("kloofendal_43d_clear_puresky_1k", True),
+        ("quarry_01_1k", True),
+    ],
+)
+def test_real_skies_and_rooms_fall_on_the_right_side(shared_data, name, dominant):
+    radiance = read_environment_map(shared_data / "probes" / f"{name}.hdr").radiance
+    assert has_dominant_light(radiance) == dominant
 
 
 def test_wrong_names_are_refused():

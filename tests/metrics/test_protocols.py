@@ -87,7 +87,17 @@ def test_native_scores_are_those_rows():
     truth, good, _ = maps()
     scores = native_scores(good, truth)
     assert set(scores) == {name for name, row in PROTOCOLS.items() if row.variant == "native"}
-    assert scores["mse"] == PROTOCOLS["mse"].score(good, truth)
+    for name in ("mse", "si-rmse-rgb", "relit-diffuse-rmse", "lights-angle-deg"):
+        assert scores[name] == PROTOCOLS[name].score(good, truth)
+
+
+def test_the_thesis_is_judged_on_its_anamorphic_64x64():
+    random = np.random.default_rng(3)
+    truth = random.lognormal(0, 1, (64, 64, 3)).astype(np.float32)
+    for name, row in PROTOCOLS.items():
+        if name.startswith("thesis"):
+            assert row.score(truth, truth) == pytest.approx(0, abs=1e-9)
+            assert row.score(truth[::-1], truth) > 0.01
 
 
 def test_published_and_corrected_rows_come_in_pairs():
