@@ -20,8 +20,11 @@ from panokit.metrics.transport.tables import ball_table
 
 # Directions counted per pixel of a mirror ball: about 24^2 * 2 / pi.
 _MIRROR_FINENESS = 24
-_MIRROR_BAND_ROWS = 32
+_MIRROR_FINEST_PX = 3072
+_MIRROR_BAND_ROWS = 64
 _RIM_POINTS = 16
+# A narrow lobe near the rim needs this many rays across the ball.
+_ACROSS = 256
 _LARGEST_PX = 1024
 
 
@@ -76,7 +79,7 @@ def _points(
     inside = np.hypot(far[:, None], far) < 1
     rim = ~inside & (np.hypot(near[:, None], near) < 1)
     parts = []
-    few = max(1, min(4, 256 // size_px))
+    few = max(1, min(_RIM_POINTS, _ACROSS // size_px))
     for chosen, count in ((inside, few), (rim, _RIM_POINTS)):
         row, column = np.nonzero(chosen)
         offset = (np.arange(count) + 0.5) / count
@@ -100,14 +103,16 @@ def mirror(map_width_px: int, size_px: int, normal_reflectance: float) -> Sparse
     sphere, which treats the rim as well as the middle. Between texels the map is linear.
     """
     height = map_width_px // 2
-    parts = max(1, -(-_MIRROR_FINENESS * size_px // map_width_px))
+    # Three parts show the slope between two texels, which only matters where a texel is large.
+    slope = min(3, max(1, _MIRROR_FINEST_PX // map_width_px))
+    parts = max(slope, -(-_MIRROR_FINENESS * size_px // map_width_px))
     _, polar, weight = row_parts(height, parts)
     azimuth = ((np.arange(map_width_px * parts) + 0.5) / (map_width_px * parts) - 0.5) * 2 * np.pi
     shown = disc_alpha(size_px).ravel() > 0
     total = csr_array((size_px**2, height * map_width_px), dtype=np.float32)
     counted = np.zeros(size_px**2)
-    for start in range(0, len(polar), _MIRROR_BAND_ROWS * parts):
-        band = slice(start, start + _MIRROR_BAND_ROWS * parts)
+    for start in range(0, len(polar), _MIRROR_BAND_ROWS):
+        band = slice(start, start + _MIRROR_BAND_ROWS)
         pixel, share, facing = _seen_at(polar[band], azimuth, size_px)
         weights = np.repeat(weight[band], len(azimuth)) * share * shown[pixel]
         counted += np.bincount(pixel.ravel(), weights.ravel(), size_px**2)

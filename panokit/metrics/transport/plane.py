@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from panokit.metrics.transport.figure import Hits, see
 from panokit.metrics.transport.grids import collected, row_parts
 from panokit.metrics.transport.linear import Separable, Shadowed, Step
-from panokit.metrics.transport.tables import PlaneTable, plane_table
+from panokit.metrics.transport.tables import plane_table
 
 Array = NDArray[np.float64]
 

@@ -76,12 +76,13 @@ def _ggx(alpha: float, view: Cosines, light: Cosines, between: Cosines) -> Cosin
     # Smith's G1 is 2 c / (c + sqrt(a^2 + (1 - a^2) c^2)); the view's c cancels n.v.
     masked_view = 2 / (view + np.sqrt(alpha**2 + (1 - alpha**2) * view**2))
     masked_light = 2 * lit / (lit + np.sqrt(alpha**2 + (1 - alpha**2) * lit**2))
-    return distribution * masked_view * masked_light / 4
+    response: Cosines = distribution * masked_view * masked_light / 4
+    return response
 
 
 def _dielectric(cosine: Cosines, index: float) -> Cosines:
     """Fresnel's reflectance for unpolarized light coming from air."""
-    inside = np.sqrt(1 - (1 - cosine**2) / index**2)
+    inside: Cosines = np.sqrt(1 - (1 - cosine**2) / index**2)
     across = (cosine - index * inside) / (cosine + index * inside)
     along = (index * cosine - inside) / (index * cosine + inside)
     reflectance: Cosines = (across**2 + along**2) / 2

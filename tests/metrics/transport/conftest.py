@@ -6,12 +6,17 @@ import numpy as np
 import pytest
 
 from panokit.metrics.balls import ball_error
-from panokit.metrics.transport import relight
 from panokit.metrics.transport import figure as bear
+from panokit.metrics.transport import relight
 from panokit.renderer import environment_emitter, load_mitsuba
 
 BALL_PX = 32
+MIRROR_PX = 64
 PLANE_PX = 64
+
+
+def size_of(scene):
+    return {"plane": PLANE_PX, "mirror": MIRROR_PX}.get(scene, BALL_PX)
 
 
 def gray(value):
@@ -78,7 +83,7 @@ def shapes(mitsuba, scene):
     if scene != "plane":
         return {
             "ball": {"type": "sphere", "bsdf": MATERIALS[scene]},
-            "camera": camera(mitsuba, "orthographic", [0, 0, 4], [0, 0, 0], BALL_PX),
+            "camera": camera(mitsuba, "orthographic", [0, 0, 4], [0, 0, 0], size_of(scene)),
         }
     flat = mitsuba.ScalarTransform4f().rotate([1, 0, 0], -90).scale([1000, 1000, 1])
     parts = {
@@ -92,7 +97,7 @@ def shapes(mitsuba, scene):
             "perspective",
             bear.CAMERA_PLACE.tolist(),
             bear.CAMERA_TARGET.tolist(),
-            PLANE_PX,
+            size_of(scene),
             fov=bear.FIELD_OF_VIEW_DEG,
             near_clip=0.1,
         ),
@@ -138,7 +143,7 @@ def agreement():
             half[..., :3] /= np.maximum(half[..., 3:], 1e-6)
             halves.append(half)
         truth = (halves[0] + halves[1]) / 2
-        ours = relight(radiance, scene, None if scene == "plane" else BALL_PX)
+        ours = relight(radiance, scene, size_of(scene))
         alpha = truth[..., 3:]
         return Agreement(
             error=ball_error(ours, truth),

@@ -13,8 +13,8 @@ from panokit.io import read_environment_map
 
 pytestmark = [pytest.mark.render, pytest.mark.data]
 
-SAMPLES = {"mirror": 6084, "plane": 1056}
-OTHERWISE = 2070
+SAMPLES = {"mirror": 4160, "plane": 1056}
+OTHERWISE = 1056
 SCENES = (
     "diffuse",
     "glossy-0.1",
@@ -55,10 +55,10 @@ def probe(folder: Path, name: str) -> np.ndarray:
 @pytest.mark.parametrize("scene", ["diffuse", "glossy-0.3", "mirror", "plane"])
 @pytest.mark.parametrize("name", FEW)
 def test_a_relit_picture_is_what_mitsuba_renders(agreement, shared_data, name, scene):
-    found = agreement(probe(shared_data, name), scene, SAMPLES.get(scene, OTHERWISE) // 3)
+    found = agreement(probe(shared_data, name), scene, SAMPLES.get(scene, OTHERWISE) // 2)
     assert found.noise < 0.01
     assert found.without_noise < 0.01
-    assert abs(found.mean) < 0.003
+    assert abs(found.mean) < 0.005
 
 
 @pytest.mark.slow
@@ -73,7 +73,7 @@ def test_twenty_probes_agree_within_a_hundredth(agreement, shared_data):
             lines.append(f"{scene},{name}," + ",".join(f"{figure:.5f}" for figure in figures))
             print(lines[-1], flush=True)
             worst[scene] = max(worst.get(scene, 0), found.without_noise)
-            assert abs(found.mean) < 0.003, lines[-1]
+            assert abs(found.mean) < 0.005, lines[-1]
     if "PANOKIT_TRANSPORT_TABLE" in os.environ:
         table = Path(os.environ["PANOKIT_TRANSPORT_TABLE"])
         table.write_text("\n".join(lines) + "\n", encoding="utf-8")
