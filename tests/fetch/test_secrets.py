@@ -2,6 +2,7 @@
 
 import logging
 import traceback
+from functools import partial
 from urllib.parse import quote
 
 import pytest
@@ -83,6 +84,7 @@ def test_no_credential_is_in_anything_that_a_command_leaves(
 ):
     caplog.set_level(logging.DEBUG)
     logging.getLogger("panokit.synthetic").setLevel(logging.INFO)
+    monkeypatch.setattr("panokit.fetch.stage.Policy", partial(Policy, first_delay_s=0.01))
     small_server.set_faults(parse_faults(ROUGH_WORDS if trouble == "rough" else ""))
     endpoint = "http://127.0.0.1:9" if trouble == "no server" else small_server.url
     secrets = [KEY, TOKEN, TOKEN.rpartition("|")[2], SIGNING_SECRET]
