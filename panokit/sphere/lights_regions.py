@@ -85,11 +85,10 @@ def find_light_regions(
     base = max(base, float(luminance.max()) * 2.0**-24)
     count = max(int(np.ceil(np.log(float(luminance.max()) / base) / np.log(_STEP))), 0)
     levels = base * _STEP ** np.arange(count)
-    roots, labels = _tree(_without_bars(luminance), parcels, levels)
+    roots, labels = _tree(_without_bars(luminance), parcels, levels, least_energy)
     number = 0
     for root in roots:
-        _raise_tops(root)
-        for node in _choose(root, levels, least_energy, largest_sr).nodes:
+        for node in _choose(root, levels, largest_sr).nodes:
             number += 1
             found[labels[node.level] == node.label] = number
     return found
@@ -117,14 +116,18 @@ def _without_bars(luminance: NDArray[Any]) -> NDArray[np.float32]:
 
 
 def _tree(
-    luminance: NDArray[Any], parcels: NDArray[Any], levels: NDArray[Any]
+    luminance: NDArray[Any], parcels: NDArray[Any], levels: NDArray[Any], least_energy: float
 ) -> tuple[list[_Node], list[NDArray[np.int32]]]:
-    """The regions above the first level, with those above higher ones inside; and the labels."""
+    """The regions above the first level, with those above higher ones inside; and the labels.
+
+    Regions with less than the least energy can hold no light and are left out.
+    """
     height, width = luminance.shape
     weights = pixel_solid_angles(height, width)
     directions = equirect_directions(width, height)
+    highest = np.searchsorted(levels, luminance, side="right") - 1
     roots: list[_Node] = []
-    below: list[_Node] = []
+    below: dict[int, _Node] = {}
     pictures: list[NDArray[np.int32]] = []
     for level, threshold in enumerate(levels):
         labels, count = label_regions(luminance >= threshold)
@@ -134,36 +137,34 @@ def _tree(
         areas = np.bincount(numbers, weights[inside], count + 1)
         along = [np.bincount(numbers, light * directions[inside, i], count + 1) for i in range(3)]
         lengths = np.linalg.norm(along, axis=0) / np.maximum(energies, 1e-300)
-        nodes = [
-            _Node(
+        tops = np.zeros(count + 1, np.int64)
+        np.maximum.at(tops, numbers, highest[inside])
+        nodes = {
+            k: _Node(
                 level=level,
                 label=k,
                 energy=float(energies[k]),
                 area=float(areas[k]),
                 concentration=float(lengths[k]),
-                top=level,
+                top=int(tops[k]),
             )
-            for k in range(1, count + 1)
-        ]
+            for k in np.flatnonzero(energies >= least_energy).tolist()
+            if k
+        }
         if level == 0:
-            roots = nodes
+            roots = list(nodes.values())
         else:
             parents = np.zeros(count + 1, np.int64)
             parents[numbers] = pictures[-1][inside]
-            for node in nodes:
-                below[parents[node.label] - 1].children.append(node)
+            for node in nodes.values():
+                # What lies round a region has at least its energy, so it was kept too.
+                below[int(parents[node.label])].children.append(node)
         below = nodes
         pictures.append(labels)
     return roots, pictures
 
 
-def _raise_tops(node: _Node) -> int:
-    for child in node.children:
-        node.top = max(node.top, _raise_tops(child))
-    return node.top
-
-
-def _choose(start: _Node, levels: NDArray[Any], least_energy: float, largest_sr: float) -> _Choice:
+def _choose(start: _Node, levels: NDArray[Any], largest_sr: float) -> _Choice:
     """The lights in a branch: one of its regions, or those of the branches it splits into."""
     best = _Choice(nodes=[])
     node = start
@@ -171,17 +172,17 @@ def _choose(start: _Node, levels: NDArray[Any], least_energy: float, largest_sr:
         mean = node.energy / node.area
         compact = node.area <= largest_sr and node.concentration >= _CONCENTRATION
         distinct = levels[node.level] <= _DISTINCT * mean
-        if compact and distinct and node.energy >= least_energy:
+        if compact and distinct:
             here = _Choice(nodes=[node], energy=node.energy, area=node.area)
             best = max(best, here, key=lambda choice: choice.score)
-        parts = [child for child in node.children if child.energy >= least_energy]
-        distinct_parts = [child for child in parts if child.top >= node.level + _PROMINENCE]
+        parts = node.children
+        distinct_parts = [part for part in parts if part.top >= node.level + _PROMINENCE]
         if len(distinct_parts) > 1:
             break
         if not parts:
             return best
         node = max(parts, key=lambda child: child.energy)
-    chosen = [_choose(part, levels, least_energy, largest_sr) for part in distinct_parts]
+    chosen = [_choose(part, levels, largest_sr) for part in distinct_parts]
     split = _Choice(
         nodes=[node for choice in chosen for node in choice.nodes],
         energy=sum(choice.energy for choice in chosen),
