@@ -125,22 +125,21 @@ def iterate_exr_rows(
 class _Source:
     """What is to be read: a layer of a part, and the window that it fills."""
 
-    def __init__(self, path: Path, part: ExrPart, layer: Layer, *, is_only_part: bool) -> None:
+    def __init__(self, path: Path, part: ExrPart, layer: Layer, parts: int) -> None:
         self.path, self.part, self.layer = path, part, layer
         is_map = "envmap" in part.attributes
         self.shown: Window = part.data_window if is_map else part.display_window
         self.primaries = file_primaries(path, part.attributes)
         self.gain = 1 / _scale_of(path, part)
-        self.in_strips = is_only_part and not part.subsampled
+        self.parts = parts
+        self.in_strips = parts == 1 and not part.subsampled
         self.is_half = False  # known once rows are read
 
 
 def _choose(path: Path, layer: str | None, part: int | str | None) -> _Source:
     parts = read_exr_parts(path)
     chosen = choose_part(path, parts, part)
-    return _Source(
-        path, chosen, choose_layer(chosen.channels, layer, str(path)), is_only_part=len(parts) == 1
-    )
+    return _Source(path, chosen, choose_layer(chosen.channels, layer, str(path)), len(parts))
 
 
 def _strips(source: _Source) -> Iterator[tuple[int, NDArray[np.float32]]]:
@@ -194,12 +193,16 @@ def _strips_in_file(source: _Source) -> Iterator[tuple[int, list[NDArray[np.floa
 def _whole_part(source: _Source) -> Iterator[tuple[int, list[NDArray[np.float32]]]]:
     try:
         with OpenEXR.File(str(source.path), separate_channels=True) as file:
-            # A part that cannot be decoded is dropped with a warning only.
+            # The package drops a part that it cannot decode, and only warns.
+            if len(file.parts) != source.parts:
+                raise damaged(source.path, f"only {len(file.parts)} of {source.parts} parts")
             channels = file.parts[source.part.index].channels
             planes = [
                 np.array(channels[name].pixels).astype(np.float32, copy=False)
                 for name in source.layer.channels
             ]
+    except ImageError:
+        raise
     except Exception as error:  # the package raises bare RuntimeError and ValueError
         raise damaged(source.path, error) from error
     if planes[0].shape != (source.part.data_window.height_px, source.part.data_window.width_px):

@@ -29,8 +29,8 @@ def read_radiance(path: Path) -> NDArray[np.float32]:
     """The radiance in a .hdr file, (H, W, 3) float32, linear Rec.709, upright.
 
     Values are those that most programs read; where the writer cut mantissas off instead of
-    rounding them they are low by half a step, 0.2 % on average (Radiance's own programs add
-    it back).
+    rounding them they are low by half a step, 0.3 % or more on average (Radiance's own
+    programs add it back).
 
     Raises:
         ImageError: If it is not a readable Radiance file.

@@ -136,6 +136,16 @@ def test_parts_are_chosen_by_name_or_number(tmp_path):
         read_exr(path, part="depth")
 
 
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
+def test_no_part_is_taken_for_another_where_one_is_cut_off(tmp_path, share, capfd):
+    path = two_parts(tmp_path / "a.exr")
+    path.write_bytes(path.read_bytes()[: int(path.stat().st_size * share)])
+    with pytest.raises(ImageError) as caught:
+        read_exr(path, part="left")
+    assert caught.value.reason == "truncated"
+    capfd.readouterr()
+
+
 def test_the_only_part_with_a_picture_needs_no_name(tmp_path):
     parts = [
         OpenEXR.Part({}, {"Z": RADIANCE[..., 0].copy()}, "depth"),
@@ -330,6 +340,34 @@ def test_header_text_in_another_encoding_is_named(tmp_path, raw_exr):
     path.write_bytes(raw_exr(planes(), extra=owner).to_bytes())
     with pytest.raises(ImageError, match=r"not UTF-8.*exrstdattr"):
         read_exr(path)
+
+
+def test_reading_needs_little_more_than_the_picture(tmp_path):
+    code = """
+import resource, sys
+from pathlib import Path
+import numpy as np
+from panokit.io.exr import iterate_exr_rows, read_exr, write_exr
+path, rss = Path(sys.argv[1]), lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
+if sys.argv[2] == "write":
+    noise = np.random.default_rng(0).random((2048, 4096, 3), np.float32)
+    write_exr(path, noise, compression="none")
+before = rss()
+if sys.argv[2] == "rows":
+    assert sum(len(strip) for _, strip in iterate_exr_rows(path)) == 2048
+if sys.argv[2] == "whole":
+    assert read_exr(path)[0].shape == (2048, 4096, 3)
+print(rss() - before)
+"""
+    grown = {}
+    for mode in ("write", "rows", "whole"):
+        done = subprocess.run(
+            [sys.executable, "-c", code, str(tmp_path / "a.exr"), mode],
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        grown[mode] = int(done.stdout)
+    assert grown["rows"] < 90  # MB, where the picture has 96 and its planes as many again
+    assert grown["whole"] < 96 + 90
 
 
 def test_a_scale_that_cannot_be_divided_out(tmp_path):
