@@ -4,7 +4,7 @@ from pydantic import Field
 
 from panokit.settings import Settings
 
-VERSION = "1"
+VERSION = "2"
 
 
 class QaSettings(Settings):

@@ -231,7 +231,7 @@ def _landing(
     target_from_source: Rotation,
     shape: tuple[int, int],
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Where the parts of pixels land: (n, k) target pixels, and the share of the parcel for each."""
+    """Where the parts of pixels land: (n, k) target pixels, and their shares of the parcel."""
     height, width = shape
     inside = (np.arange(parts) + 0.5) / parts
     azimuth = ((columns[:, None] + inside) / width - 0.5) * 2 * np.pi
