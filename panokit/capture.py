@@ -1,7 +1,7 @@
 """Where, when and under which license a picture was taken."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from enum import StrEnum
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from panokit.errors import RecordError, UsageError
+from panokit.errors import LicenseError, RecordError, UsageError
 from panokit.frames import Rotation
 
 
@@ -266,6 +266,28 @@ class View:
         """The view that `to_json` wrote."""
         boxes = tuple(tuple(int(edge) for edge in box) for box in record.get("masked_px", ()))
         return cls(**{**record, "masked_px": boxes})
+
+
+def require_right_to_train(captures: Iterable[Capture], own_right: str = "") -> None:
+    """Check that models may be trained, tested or tuned with what was made of these pictures.
+
+    Args:
+        captures: Where the material is from.
+        own_right: What else gives the user the right, in words ("agreement with Google of
+            2026-01-05"); then the terms of the sources are not what counts.
+
+    Raises:
+        LicenseError: If the license of one does not permit it; the message names it.
+    """
+    denied = {one.key: one.license for one in captures if not one.license.train}
+    if not denied or own_right.strip():
+        return
+    key, terms = next(iter(denied.items()))
+    more = f" and {len(denied) - 1} more" if len(denied) > 1 else ""
+    raise LicenseError(
+        f"{key}{more}: the license {terms.id!r} does not permit training. Leave out what is from "
+        'there; or, if you have a right of your own, say which: --own-right "..."'
+    )
 
 
 def local_capture(name: str, **known: Any) -> Capture:

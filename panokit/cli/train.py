@@ -19,6 +19,7 @@ def train(
     cross_validate: Annotated[bool, Parameter(negative=())] = False,
     fold_members: int | None = None,
     processes: int = 2,
+    own_right: str = "",
 ) -> int:
     """Train an expansion network from its recipe and release it beside the recipe.
 
@@ -38,6 +39,8 @@ def train(
         Gain networks in each fold, if fewer than the recipe's will do.
     processes
         Processes for making the examples.
+    own_right
+        What gives you the right to train with probes whose license does not, in words.
     """
     if find_spec("torch") is None:
         raise MissingExtraError("torch", "train", "Training")
@@ -46,9 +49,15 @@ def train(
     console = Console()
     if cross_validate:
         rows = stage.cross_validate(
-            recipe, probes, work, fold_members=fold_members, processes=processes
+            recipe,
+            probes,
+            work,
+            fold_members=fold_members,
+            processes=processes,
+            own_right=own_right,
         )
         console.result(f"{len(rows)} scores in {recipe.parent / 'metrics.json'}")
     else:
-        console.result(f"Released: {stage.train(recipe, probes, work, processes=processes)}")
+        released = stage.train(recipe, probes, work, processes=processes, own_right=own_right)
+        console.result(f"Released: {released}")
     return 0

@@ -8,8 +8,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.capture import Capture, require_right_to_train
 from panokit.errors import RecordError, StorageError
 from panokit.io import read_environment_map
+from panokit.io.files import read_json
+from panokit.io.pictures import record_path
 from panokit.sphere import resize_radiance
 
 # Wide enough for thin lamps to clip as they would in a photograph, small enough to be quick.
@@ -70,6 +73,24 @@ def read_probes(folder: Path) -> list[TrainingProbe]:
     if not probes:
         raise RecordError(f"{manifest} lists no probe for training.", reason="no-probes")
     return sorted(probes, key=lambda probe: probe.name)
+
+
+def check_rights(probes: Sequence[TrainingProbe], own_right: str = "") -> None:
+    """Check that the probes may be trained with, by the records beside their maps.
+
+    A map without a record is the user's own affair.
+
+    Args:
+        probes: What is to be trained with.
+        own_right: See `require_right_to_train`.
+
+    Raises:
+        LicenseError: If the license of one does not permit it.
+        RecordError: If a record is damaged.
+    """
+    records = (read_json(path) for path in (record_path(p.path) for p in probes) if path.exists())
+    known = [Capture.from_json(r["capture"]) for r in records if r.get("capture")]
+    require_right_to_train(known, own_right)
 
 
 def assign_folds(probes: Sequence[TrainingProbe], count: int) -> NDArray[np.int64]:

@@ -10,7 +10,7 @@ from panokit.train.area_rule import fit_area_rule
 from panokit.train.crossval import FOLDS, ScoreRow, judge_fold, train_fold
 from panokit.train.ensemble import train_ensemble
 from panokit.train.examples import Examples, load_examples, make_examples, save_examples
-from panokit.train.probes import TrainingProbe, read_probes
+from panokit.train.probes import TrainingProbe, check_rights, read_probes
 from panokit.train.recipe import Recipe, read_recipe
 from panokit.train.release import release
 from panokit.train.report import summarize
@@ -18,7 +18,14 @@ from panokit.train.report import summarize
 logger = logging.getLogger(__name__)
 
 
-def train(recipe_path: Path, probes_folder: Path, work: Path, *, processes: int = 2) -> Path:
+def train(
+    recipe_path: Path,
+    probes_folder: Path,
+    work: Path,
+    *,
+    processes: int = 2,
+    own_right: str = "",
+) -> Path:
     """Train the recipe on all usable probes and release it beside its recipe.
 
     Everything costly is kept in `work`: a run that was stopped goes on from there.
@@ -28,12 +35,17 @@ def train(recipe_path: Path, probes_folder: Path, work: Path, *, processes: int 
         probes_folder: With a manifest.csv, see `panokit.train.probes`.
         work: For examples and checkpoints.
         processes: For making the examples.
+        own_right: What gives the right to train with probes whose license does not.
 
     Returns:
         The folder of the released model.
+
+    Raises:
+        LicenseError: If the license of a probe does not permit training.
     """
     recipe = read_recipe(recipe_path)
     probes = read_probes(probes_folder)
+    check_rights(probes, own_right)
     examples = cached_examples(probes, recipe, work, processes=processes)
     networks = train_ensemble(examples, recipe, work / "all")
     release(recipe, *networks, recipe_path.parent)
@@ -48,6 +60,7 @@ def cross_validate(
     *,
     fold_members: int | None = None,
     processes: int = 2,
+    own_right: str = "",
 ) -> list[ScoreRow]:
     """Judge the recipe on probes it has not seen and write metrics.json beside it.
 
@@ -58,12 +71,17 @@ def cross_validate(
         fold_members: Gain networks in each fold's ensemble; the recipe's own if not given.
             Fewer make the experiment cheaper and its scores a little worse.
         processes: For making the examples.
+        own_right: What gives the right to train with probes whose license does not.
+
+    Raises:
+        LicenseError: If the license of a probe does not permit training.
     """
     recipe = read_recipe(recipe_path)
     if fold_members is not None:
         network = recipe.network.model_copy(update={"members": fold_members})
         recipe = recipe.model_copy(update={"network": network})
     probes = read_probes(probes_folder)
+    check_rights(probes, own_right)
     examples = cached_examples(probes, recipe, work, processes=processes)
     rows: list[ScoreRow] = []
     for fold in range(FOLDS):
