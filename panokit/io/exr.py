@@ -268,8 +268,8 @@ def write_exr(
             two, which `panokit:scale` records; `read_exr` divides it out. A `whiteLuminance`
             among the attributes is adapted.
         compression: One of `COMPRESSIONS`. DWAA and DWAB are lossy and store half floats
-            whatever is asked, so they are scaled too; B44 is lossy for half floats, and PXR24
-            keeps 24 bits of a float.
+            whatever is asked, so they are scaled too; they ring round a sun, which leaves
+            negative values. B44 is lossy for half floats, and PXR24 keeps 24 bits of a float.
 
     Raises:
         UsageError: If the array is no picture or the compression is not known.

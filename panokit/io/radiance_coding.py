@@ -73,7 +73,8 @@ class Scanlines:
         """Where each scanline begins, and where the last one ends."""
         if self._starts is None:
             first, count = self._header.data_offset, self._header.scanlines
-            found, place = [], self._data.find(self._mark, first)
+            found: list[int] = []
+            place = self._data.find(self._mark, first)
             while place >= 0 and len(found) <= count:
                 found.append(place)
                 place = self._data.find(self._mark, place + 1)
