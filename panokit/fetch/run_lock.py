@@ -75,12 +75,17 @@ def remove_unfinished(out: Path) -> int:
         if not folder.is_dir() or (folder / RECORD).exists():
             continue
         files = [path for path in folder.rglob("*") if not path.is_dir()]
-        if all(_OURS.match(path.relative_to(folder).as_posix()) for path in files):
+        ours = all(_OURS.match(path.relative_to(folder).as_posix()) for path in files)
+        if ours or _is_part(folder):
             _delete(folder)
             removed += 1
-    for part in (*out.glob(".*.part"), *captures.rglob(".*.part")):
+    for part in (*out.glob(".*.part"), *captures.glob("*/.*.part")):
         _delete(part)
     return removed
+
+
+def _is_part(path: Path) -> bool:
+    return path.name.startswith(".") and path.suffix == ".part"
 
 
 def _delete(path: Path) -> None:

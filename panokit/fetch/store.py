@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.errors import ImageError, ItemError, RecordError, StorageError
+from panokit.errors import ImageError, ItemError, RecordError
 from panokit.fetch import guard
 from panokit.fetch.provider import Found, Provider
 from panokit.io.captures import RECORD, StoredCapture, read_capture, tile_name, write_capture
-from panokit.io.files import sha256_of_bytes, write_bytes
+from panokit.io.files import publish_folder, sha256_of_bytes, storage_error, write_synced
 
 _BLACK_TILE = ImageError(
     "It is black, and what lies beside it is not. Fetch it again later.", reason="black-tile"
@@ -42,11 +42,14 @@ class Download:
     ) -> None:
         self.found = found
         self._folder = folder
+        # Files are written here, and nobody sees them before they are all there.
+        self._part = folder.with_name(f".{folder.name}.part")
         self._provider = provider
         self._executor = executor
         # Views are small parts of a picture: one may well be dark.
         self._guarded = guarded and not found.views
         self.discard()
+        self._make_folders()
         self._files = {name: self._submit(name) for name in found.files}
 
     @property
@@ -77,7 +80,7 @@ class Download:
             if not allow_missing:
                 raise self._missing_tile(name, _BLACK_TILE)
             del files[name]
-            (self._folder / name).unlink(missing_ok=True)
+            (self._part / name).unlink(missing_ok=True)
         if not files:
             raise ItemError(
                 f"{self.found.capture.key}: not one tile can be had.", reason="missing-tile"
@@ -95,19 +98,25 @@ class Download:
             self.discard()
 
     def discard(self) -> None:
-        """Remove the folder and what is in it."""
-        try:
-            shutil.rmtree(self._folder)
-        except FileNotFoundError:
-            pass
-        except OSError as error:
-            raise StorageError(
-                f"Cannot remove {self._folder}: {error.strerror}. Check its permissions."
-            ) from error
+        """Remove the folder and what is in it, finished or not."""
+        for folder in (self._part, self._folder):
+            try:
+                shutil.rmtree(folder)
+            except FileNotFoundError:
+                pass
+            except OSError as error:
+                raise storage_error("delete", folder, error) from error
+
+    def _make_folders(self) -> None:
+        for parent in {(self._part / name).parent for name in self.found.files}:
+            try:
+                parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise storage_error("write", parent, error) from error
 
     def _submit(self, name: str) -> "Future[_File]":
         return self._executor.submit(
-            _fetch_file, self._provider, self.found, name, self._folder, guarded=self._guarded
+            _fetch_file, self._provider, self.found, name, self._part, guarded=self._guarded
         )
 
     def _collect(self, name: str, files: "dict[str, _File]", *, allow_missing: bool) -> None:
@@ -156,6 +165,7 @@ class Download:
             views=self.found.views,
             files=digests,
         )
+        publish_folder(self._part, self._folder)
         write_capture(stored, raw=self.found.raw)
         return stored
 
@@ -193,5 +203,5 @@ def _fetch_file(
 ) -> _File:
     data = provider.read(found, name)
     glance = guard.glance(data) if guarded else None
-    write_bytes(folder / name, data)
+    write_synced(folder / name, data)
     return _File(sha256_of_bytes(data), glance)

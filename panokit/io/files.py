@@ -70,6 +70,36 @@ def write_bytes(path: Path, data: bytes) -> None:
         part.write_bytes(data)
 
 
+def write_synced(path: Path, data: bytes) -> None:
+    """Write a file of a folder that nobody reads yet: on the disk when this returns, not atomic.
+
+    Raises:
+        StorageError: If the disk is full or the folder cannot be written.
+    """
+    try:
+        with path.open("wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        raise storage_error("write", path, error) from error
+
+
+def publish_folder(part: Path, path: Path) -> None:
+    """Give a finished folder its name; until then, it is not there. Its files must be synced.
+
+    Raises:
+        StorageError: If there is one of that name already, or the disk fails.
+    """
+    try:
+        for folder in (part, *(child for child in part.iterdir() if child.is_dir())):
+            _sync(folder)
+        part.rename(path)
+        _sync(path.parent)
+    except OSError as error:
+        raise storage_error("write", path, error) from error
+
+
 def write_json(path: Path, value: Any) -> None:
     """Write JSON for people and programs: indented, sorted, the same bytes for equal values."""
     text = json.dumps(value, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)

@@ -10,7 +10,7 @@ from panokit.fetch import PlaceSettings, fetch
 from panokit.http import Client, Policy
 from panokit.io import read_capture
 from panokit.io.captures import RECORD, write_capture
-from panokit.io.files import read_json, write_bytes
+from panokit.io.files import read_json, write_synced
 from panokit.synthetic.fault_language import parse_faults
 from panokit.synthetic.faults import Faults, Trouble
 from panokit.synthetic.google_tiles import GoogleTiles
@@ -277,9 +277,9 @@ def test_a_full_disk_leaves_whole_captures_only(server, tmp_path, monkeypatch):
         written.append(path)
         if len(written) > 12:
             raise StorageError("The disk is full.")
-        write_bytes(path, data)
+        write_synced(path, data)
 
-    monkeypatch.setattr("panokit.fetch.store.write_bytes", write_a_few)
+    monkeypatch.setattr("panokit.fetch.store.write_synced", write_a_few)
     with pytest.raises(StorageError, match="full"):
         fetch(google(server), tmp_path)
     assert incomplete(tmp_path) == []
