@@ -12,7 +12,7 @@ from panokit.fetch.store import stored_captures
 from panokit.fetch.where import total_wanted
 from panokit.io.attribution import write_attribution
 from panokit.io.captures import RECORD, StoredCapture, read_capture
-from panokit.io.files import read_json, write_json
+from panokit.io.files import read_json, sha256_of_file, write_json
 from panokit.ledger import Ledger
 from panokit.pipeline.batch import BatchResult
 from panokit.provenance import digest_of
@@ -99,9 +99,14 @@ def _all(result: FetchResult) -> list[StoredCapture]:
 
 def _key(settings: FetchSettings) -> str:
     """What decides which pictures are fetched; a local look-alike may move to another port."""
-    asked = settings.model_dump(mode="json", exclude={"concurrency", "requests_per_s"})
+    pace = {"concurrency", "requests_per_s", "max_requests", "max_cost_usd", "prices"}
+    asked = settings.model_dump(mode="json", exclude=pace)
     if urlsplit(settings.endpoint).hostname in _LOOPBACK:
         asked["endpoint"] = "loopback"
+    # What the lists say counts, not where they lie.
+    for name in ("city_list", "area_file", "picture_list"):
+        path = getattr(settings, name)
+        asked[name] = path and sha256_of_file(path)
     return stage_key("fetch", VERSION, digest_of(asked), [])
 
 

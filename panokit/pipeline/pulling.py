@@ -1,5 +1,6 @@
 """HDR maps of Poly Haven into a probe library, resumably."""
 
+import shutil
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -64,6 +65,9 @@ def pull_into(
         with Client(policy, budget=Budget(settings.max_requests)) as own:
             return pull_into(settings, folder, console, client=own)
     there = _names_in(folder)
+    if not settings.dry_run:
+        # Where a killed run had put the file it was at.
+        shutil.rmtree(folder / _INCOMING, ignore_errors=True)
     service = PolyHaven(settings, client)
     maps = service.wanted()
     known = {capture.id for capture in maps if f"{capture.id}_{settings.resolution}" in there}

@@ -122,6 +122,8 @@ def storage_asked(server):
 
 def test_maps_are_pulled_once(server, tmp_path, capsys):
     library = tmp_path / "lib"
+    (library / ".incoming").mkdir(parents=True)
+    (library / ".incoming" / "killed.part").write_bytes(b"half")
     assert pull(server, library, "pano-3328") == 0
     assert pull(server, library, "pano-3328", "pano-5376") == 0
     assert len(storage_asked(server)) == 2
