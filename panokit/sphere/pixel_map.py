@@ -147,6 +147,9 @@ def apply_map(
             f"not {picture.shape[1]}x{picture.shape[0]}."
         )
     picture = np.asarray(picture)
+    if picture.ndim == 3 and picture.shape[2] == 1:
+        # OpenCV drops an axis of one channel.
+        return apply_map(picture[..., 0], found, interpolation=interpolation)[..., None]
     if interpolation == "spline":
         return _spline(picture, found)
     if found.border_px:

@@ -5,7 +5,7 @@ point samplers lose a small sun outright; a light probe treated so lights the wr
 """
 
 from functools import reduce
-from typing import Any
+from typing import Any, TypeVar
 
 import cv2
 import numpy as np
@@ -19,6 +19,8 @@ from panokit.sphere.irradiance import energy
 from panokit.sphere.pixel_map import Interpolation
 from panokit.sphere.sampling import rotate_pixels
 from panokit.sphere.solid_angle import row_overlap_weights, row_solid_angles
+
+Values = TypeVar("Values", bound=NDArray[Any])
 
 
 def resize(envmap: EnvironmentMap, width_px: int) -> EnvironmentMap:
@@ -43,9 +45,7 @@ def resize_radiance(
     Raises:
         UsageError: If the new size is not possible.
     """
-    radiance = np.asarray(radiance, np.float32)
-    if radiance.ndim != 3 or 0 in radiance.shape:
-        raise UsageError(f"Radiance to resize is (H, W, C) with pixels, not {radiance.shape}.")
+    radiance = _as_radiance(radiance, "resize")
     height, width = radiance.shape[:2]
     if width_px < 2 or width_px % 2:
         raise UsageError(f"The new width must be even and at least 2, not {width_px}.")
@@ -54,13 +54,13 @@ def resize_radiance(
     if (width_px, height_px) == (width, height):
         return radiance
     if width_px <= width and 1 <= height_px <= height:
-        return _average_down(radiance, width_px, height_px)
+        return _checked(_average_down(radiance, width_px, height_px))
     if height_px != width_px // 2 or width != 2 * height:
         raise UsageError(
             f"A map of {width}x{height} cannot become {width_px}x{height_px}: only maps twice as "
             "wide as high are made larger."
         )
-    return _interpolate_up(radiance, width_px)
+    return _checked(_interpolate_up(radiance, width_px))
 
 
 def rotate(
@@ -101,13 +101,12 @@ def rotate_radiance(
         target_from_source: What was in direction d is in `target_from_source.apply(d)`.
         interpolation: Of the smooth rest: "linear", or "spline" to keep fine detail sharp.
     """
-    radiance = np.asarray(radiance, np.float32)
-    if radiance.ndim != 3 or 0 in radiance.shape:
-        raise UsageError(f"Radiance to rotate is (H, W, C) with pixels, not {radiance.shape}.")
+    radiance = _as_radiance(radiance, "rotate")
     width = radiance.shape[1]
     shift = _whole_pixel_yaw(target_from_source, width)
     if shift is not None:
         return np.roll(radiance, shift, axis=1)
+    _checked(energy(radiance))
     smooth, excess = _split_bright(radiance)
     rotated = rotate_pixels(smooth, target_from_source, interpolation=interpolation)
     before, after = energy(smooth), energy(rotated)
@@ -116,6 +115,27 @@ def rotate_radiance(
     )
     _scatter(excess, target_from_source, rotated)
     return rotated
+
+
+def _as_radiance(radiance: NDArray[Any], what_for: str) -> NDArray[np.float32]:
+    if radiance.ndim != 3 or 0 in radiance.shape:
+        raise UsageError(f"Radiance to {what_for} is (H, W, C) with pixels, not {radiance.shape}.")
+    if not np.issubdtype(radiance.dtype, np.floating):
+        raise UsageError(
+            f"Radiance to {what_for} is floating point, not {radiance.dtype}: decode display "
+            "values with panokit.color.srgb_decode, or read the file with panokit.io."
+        )
+    return np.asarray(radiance, np.float32)
+
+
+def _checked(result: Values) -> Values:
+    # A sum over all pixels shows whether any was not finite, without a look at each.
+    if not np.isfinite(result.sum(dtype=np.float64)):
+        raise UsageError(
+            "The radiance holds values that are not finite. Read the file with repair=True to "
+            "clean it knowingly."
+        )
+    return result
 
 
 def _average_down(

@@ -18,6 +18,7 @@ from panokit.sphere import (
     pixel_map,
     reproject,
     resize_radiance,
+    rotate_radiance,
 )
 from panokit.sphere.pixel_map import _Kept
 
@@ -154,3 +155,24 @@ def test_maps_are_not_made_larger_in_an_odd_shape():
         resize_radiance(np.ones((32, 64, 3), np.float32), 128, 128)
     with pytest.raises(UsageError, match="with pixels"):
         resize_radiance(np.ones((0, 0, 3), np.float32), 16)
+
+
+@pytest.mark.parametrize("work", [
+    lambda radiance: resize_radiance(radiance, 16),
+    lambda radiance: rotate_radiance(radiance, Rotation.about_axis((1, 0, 0), 0.3)),
+])  # fmt: skip
+def test_what_is_no_radiance_is_refused(work):
+    good = np.ones((32, 64, 3), np.float32)
+    with pytest.raises(UsageError, match="floating point, not uint16"):
+        work((good * 100).astype(np.uint16))
+    for bad in (np.nan, np.inf):
+        broken = good.copy()
+        broken[3, 4, 1] = bad
+        with pytest.raises(UsageError, match="not finite"):
+            work(broken)
+    with pytest.raises(UsageError, match=r"\(H, W, C\) with pixels, not \(32, 64\)"):
+        work(good[..., 0])
+    with pytest.raises(UsageError, match="with pixels"):
+        work(good[:0])
+    # One channel is a map, too.
+    assert work(good[..., :1]).shape[2] == 1
