@@ -16,7 +16,8 @@ from panokit.metrics.transport.plane import Patches, grid_directions, patches
 from panokit.metrics.transport.scenes import ROUGH_BALLS, RoughBall
 
 _AZIMUTHS = 512
-_LEVELS = 4000
+_LEVELS = 300
+_LEAST_EXPONENT = 14
 _SIZE_PX = 64
 _RAYS = 4
 _COLUMNS = 320
@@ -56,10 +57,20 @@ def ball_radii(ball: RoughBall) -> NDArray[np.float64]:
 
 
 def packed(kernel: NDArray[np.float64]) -> dict[str, Any]:
-    """A kernel in whole units, four thousand to its greatest value, as differences along rings."""
-    unit = np.abs(kernel).max() / _LEVELS
-    whole = np.rint(kernel / unit).astype(np.int16)
-    return {"steps": np.diff(whole, axis=2, prepend=np.int16(0)), "unit": unit}
+    """A kernel in whole units, (radii, rings, orders), compressed.
+
+    The unit is a power of two for each pair of a normal and a ring of light: far from a lobe the
+    response is thousands of times less than in it, and under a sun its errors would show.
+    """
+    greatest = np.abs(kernel).max(axis=0)
+    exponent = np.ceil(np.log2(np.maximum(greatest, 1e-12) / _LEVELS))
+    exponent = np.maximum(exponent, exponent.max() - _LEAST_EXPONENT).astype(np.int8)
+    whole = np.rint(kernel / 2.0**exponent).astype("<i2").transpose(1, 2, 0)
+    return {"whole": _compressed(whole), "exponent": exponent, "orders": len(kernel)}
+
+
+def _compressed(values: NDArray[Any]) -> NDArray[np.uint8]:
+    return np.frombuffer(lzma.compress(values.tobytes(), preset=9), np.uint8)
 
 
 def visible_share(seen: Patches, hits: Hits, chosen: NDArray[np.intp]) -> NDArray[np.int8]:
@@ -115,8 +126,7 @@ def bake_plane() -> dict[str, Any]:
         for chosen in np.array_split(np.arange(len(seen.pixel)), _SIZE_PX)
     ]
     counts, steps, changes = (
-        np.frombuffer(lzma.compress(np.concatenate(part).tobytes(), preset=9), np.uint8)
-        for part in zip(*parts, strict=True)
+        _compressed(np.concatenate(part)) for part in zip(*parts, strict=True)
     )
     sizes = np.array([_SIZE_PX, _RAYS, _COLUMNS, _ROWS, _UNIT])
     return {"sizes": sizes, "counts": counts, "steps": steps, "changes": changes}
@@ -127,7 +137,7 @@ def bake(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     np.savez(folder / "plane.npz", **bake_plane())
     for name, ball in ROUGH_BALLS.items():
-        np.savez_compressed(folder / f"{name}.npz", **packed(ball_kernel(ball, ball_radii(ball))))
+        np.savez(folder / f"{name}.npz", **packed(ball_kernel(ball, ball_radii(ball))))
 
 
 if __name__ == "__main__":

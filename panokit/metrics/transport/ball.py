@@ -20,7 +20,7 @@ from panokit.metrics.transport.tables import ball_table
 
 # Directions counted per pixel of a mirror ball: about 24^2 * 2 / pi.
 _MIRROR_FINENESS = 24
-_MIRROR_FINEST_PX = 3072
+_MIRROR_FINEST_PX = 4096
 _MIRROR_BAND_ROWS = 64
 _RIM_POINTS = 16
 # A narrow lobe near the rim needs this many rays across the ball.
@@ -103,8 +103,8 @@ def mirror(map_width_px: int, size_px: int, normal_reflectance: float) -> Sparse
     sphere, which treats the rim as well as the middle. Between texels the map is linear.
     """
     height = map_width_px // 2
-    # Three parts show the slope between two texels, which only matters where a texel is large.
-    slope = min(3, max(1, _MIRROR_FINEST_PX // map_width_px))
+    # Four parts show the slope between two texels, which only matters where a texel is large.
+    slope = min(4, max(1, _MIRROR_FINEST_PX // map_width_px))
     parts = max(slope, -(-_MIRROR_FINENESS * size_px // map_width_px))
     _, polar, weight = row_parts(height, parts)
     azimuth = ((np.arange(map_width_px * parts) + 0.5) / (map_width_px * parts) - 0.5) * 2 * np.pi

@@ -40,13 +40,13 @@ class MirrorBall:
 
 ROUGH_BALLS = {
     "diffuse": RoughBall(response=lambertian, radii=64, rings=96, orders=32),
-    "glossy-0.1": RoughBall(response=metal(0.1), radii=96, rings=128, orders=96),
+    "glossy-0.1": RoughBall(response=metal(0.1), radii=96, rings=128, orders=128),
     "glossy-0.3": RoughBall(response=metal(0.3), radii=64, rings=96, orders=48),
     "glossy-0.6": RoughBall(response=metal(0.6), radii=64, rings=96, orders=32),
     # The three spheres of StyleLight: roughness 0.3271 of a metal, 0.364 of a dielectric.
-    "matte-silver": RoughBall(response=metal(0.3271**2, 0.8), radii=96, rings=128, orders=96),
+    "matte-silver": RoughBall(response=metal(0.3271**2, 0.8), radii=96, rings=128, orders=128),
     "principled-diffuse": RoughBall(
-        response=principled_diffuse(0.8, 0.364), radii=96, rings=128, orders=72
+        response=principled_diffuse(0.8, 0.364), radii=96, rings=128, orders=112
     ),
 }
 MIRROR_BALLS = {

@@ -41,9 +41,10 @@ class PlaneTable:
 def ball_table(scene: str) -> NDArray[np.float32]:
     """A ball's table, (orders, radii, rings) float32, read-only; see `linear.Turning`."""
     stored = _stored(f"{scene}.npz")
-    # Stored as differences along the rings, which pack better.
-    whole = np.cumsum(stored["steps"], axis=2, dtype=np.int32)
-    table = np.asarray(whole * stored["unit"], np.float32)
+    whole = np.frombuffer(lzma.decompress(stored["whole"].tobytes()), "<i2")
+    exponent = stored["exponent"]
+    whole = whole.reshape(*exponent.shape, int(stored["orders"])).transpose(2, 0, 1)
+    table = np.ascontiguousarray(whole * np.exp2(exponent.astype(np.float32)), np.float32)
     table.setflags(write=False)
     return table
 

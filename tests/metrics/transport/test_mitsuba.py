@@ -56,7 +56,7 @@ def probe(folder: Path, name: str) -> np.ndarray:
 @pytest.mark.parametrize("name", FEW)
 def test_a_relit_picture_is_what_mitsuba_renders(agreement, shared_data, name, scene):
     found = agreement(probe(shared_data, name), scene, SAMPLES.get(scene, OTHERWISE) // 2)
-    assert found.noise < 0.01
+    assert found.noise < 0.012
     assert found.without_noise < 0.01
     assert abs(found.mean) < 0.005
 
