@@ -19,7 +19,7 @@ from urllib.parse import urlencode, urlsplit
 
 import numpy as np
 
-from panokit.capture import Capture, TimePrecision, View
+from panokit.capture import Capture, TimePrecision, View, capture_key
 from panokit.errors import (
     AuthError,
     ImageError,
@@ -282,7 +282,7 @@ def _status(body: bytes) -> str:
 
 def _retired(panorama_id: str) -> Rejection:
     return Rejection(
-        item=f"google-static-{panorama_id}",
+        item=capture_key("google-static", panorama_id),
         stage="fetch",
         reason="retired",
         message=f"Google has no panorama {panorama_id} (any more); their ids change.",

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from panokit.capture import Capture, TileGrid, TimePrecision, wrap_degrees
+from panokit.capture import Capture, TileGrid, TimePrecision, capture_key, wrap_degrees
 from panokit.errors import ImageError, ItemError, NetworkError, Rejection
 from panokit.fetch.geodesy import LatLon
 from panokit.fetch.google_session import GoogleSession
@@ -101,8 +101,7 @@ class GoogleTiles:
         without = [index for index, one in enumerate(ids) if not one]
         if without and len(radii_m) > 1:
             wider = self._near([points[index] for index in without], radii_m[1:])
-            # Fewer if the service found fewer; those without any are left out at the end.
-            for index, one in zip(without, wider, strict=False):
+            for index, one in zip(without, wider, strict=True):
                 ids[index] = one
         return ids
 
@@ -132,7 +131,7 @@ class GoogleTiles:
             return parse_metadata(reply.body, self._settings)
         except ItemError as error:
             return Rejection(
-                item=f"google-tiles-{panorama_id}",
+                item=capture_key("google-tiles", panorama_id),
                 stage="fetch",
                 reason="retired" if error.reason in ("not-found", "gone") else error.reason,
                 message=str(error),

@@ -15,7 +15,7 @@ from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from panokit.capture import Capture, TimePrecision, license_from_spdx
+from panokit.capture import Capture, TimePrecision, capture_key, license_from_spdx
 from panokit.errors import AuthError, ItemError, NetworkError, Rejection
 from panokit.fetch.cells import Bbox, Listing
 from panokit.fetch.geodesy import LatLon
@@ -121,7 +121,7 @@ class Mapillary:
         return reply if isinstance(reply, dict) else {}
 
     def _describe(self, picture_id: str) -> Found | Rejection:
-        key = f"mapillary-{picture_id}"
+        key = capture_key("mapillary", picture_id)
         try:
             found = parse_image(self._entity(picture_id))
         except ItemError as error:

@@ -13,7 +13,14 @@ from datetime import UTC, datetime
 from typing import Any
 from urllib.parse import urljoin
 
-from panokit.capture import Capture, License, TimePrecision, license_from_spdx, wrap_degrees
+from panokit.capture import (
+    Capture,
+    License,
+    TimePrecision,
+    capture_key,
+    license_from_spdx,
+    wrap_degrees,
+)
 from panokit.errors import ItemError, NetworkError, Rejection
 from panokit.fetch.cells import Bbox, Listing
 from panokit.fetch.geodesy import LatLon
@@ -74,8 +81,8 @@ class Panoramax:
             item = self._client.send(Request(url=url)).json()
             found = parse_item(item, url)
         except ItemError as error:
-            return _rejection(picture_id, "retired" if error.reason in _GONE else error.reason,
-                              str(error))  # fmt: skip
+            reason = "retired" if error.reason in _GONE else error.reason
+            return _rejection(picture_id, reason, str(error))
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             return _rejection(picture_id, "bad-metadata", f"{url} is no picture ({error!r}).")
         if found is None:
@@ -156,7 +163,8 @@ def parse_item(item: Mapping[str, Any], url: str) -> Found | None:
 
 
 def _rejection(picture_id: str, reason: str, message: str) -> Rejection:
-    return Rejection(item=f"panoramax-{picture_id}", stage="fetch", reason=reason, message=message)
+    key = capture_key("panoramax", picture_id)
+    return Rejection(item=key, stage="fetch", reason=reason, message=message)
 
 
 def check_picture(body: bytes, what: str) -> None:

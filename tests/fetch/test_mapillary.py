@@ -20,7 +20,7 @@ from panokit.fetch.mapillary import (
 from panokit.http import Client, Policy
 from panokit.io import read_capture
 from panokit.io.captures import RECORD
-from panokit.synthetic.faults import Faults
+from panokit.synthetic.faults import Faults, Trouble
 from panokit.synthetic.server import DEFAULT_TOKEN
 from tests.fetch.conftest import KEY, panoramax
 
@@ -204,6 +204,32 @@ def test_pictures_by_id(server, settings, tmp_path):
     (gone,) = result.rejections
     assert (gone.item, gone.reason) == ("mapillary-pano-1", "retired")
     assert result.verdicts == (gone,)
+
+
+def test_the_token_is_nowhere(server, settings, tmp_path, caplog, capfd):
+    caplog.set_level(logging.DEBUG)
+    logging.getLogger("panokit.synthetic").setLevel(logging.INFO)
+    server.set_faults(
+        Faults(
+            troubles=[
+                Trouble(kind=kind, path=path)
+                for kind in ("429", "500", "html")
+                for path in ("/images", "/m1/")
+            ],
+            url_lifetime_s=1.0,
+        )
+    )
+    with Client(Policy(first_delay_s=0.01, rate_per_s=1000)) as client:
+        result = fetch(settings(count=1), tmp_path, client=client)
+    printed = capfd.readouterr()
+    told = repr(result) + caplog.text + printed.out + printed.err
+    written = b"".join(path.read_bytes() for path in tmp_path.rglob("*") if path.is_file())
+    assert len(result.stored) == 1
+    assert DEFAULT_TOKEN not in told
+    assert DEFAULT_TOKEN.encode() not in written
+    # Signed addresses are credentials as well: none is written down.
+    assert b"oh=" not in written
+    assert server.violations == []
 
 
 def test_a_token_is_needed(monkeypatch):
