@@ -1,7 +1,7 @@
 """One picture found -> its files on disk, and its record last."""
 
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor, Future, wait
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -27,7 +27,8 @@ class Download:
         found: The picture.
         folder: Where it goes; what an interrupted run left there is removed.
         provider: Where it comes from.
-        executor: Fetches the files.
+        network: Fetches the files.
+        disk: Writes them, for a disk that takes its time must not hold up the network.
         guarded: Whether to refuse what is black instead of a picture.
     """
 
@@ -36,7 +37,8 @@ class Download:
         found: Found,
         folder: Path,
         provider: Provider,
-        executor: Executor,
+        network: Executor,
+        disk: Executor,
         *,
         guarded: bool = True,
     ) -> None:
@@ -45,7 +47,8 @@ class Download:
         # Files are written here, and nobody sees them before they are all there.
         self._part = folder.with_name(f".{folder.name}.part")
         self._provider = provider
-        self._executor = executor
+        self._network = network
+        self._disk = disk
         # Views are small parts of a picture: one may well be dark.
         self._guarded = guarded and not found.views
         self.discard()
@@ -55,7 +58,7 @@ class Download:
     @property
     def outstanding(self) -> int:
         """How many files are not there yet."""
-        return sum(not future.done() for future in self._files.values())
+        return sum(not _is_there(future) for future in self._files.values())
 
     def finish(self, *, allow_missing: bool) -> StoredCapture:
         """Wait for the files and write the record. After an error, `cancel` cleans up.
@@ -93,6 +96,7 @@ class Download:
         for future in self._files.values():
             future.cancel()
         wait(self._files.values())
+        wait([file.written for file in _successes(self._files.values())])
         # An interrupt may come between the record and the return: then it is whole.
         if not (self._folder / RECORD).exists():
             self.discard()
@@ -115,13 +119,19 @@ class Download:
                 raise storage_error("write", parent, error) from error
 
     def _submit(self, name: str) -> "Future[_File]":
-        return self._executor.submit(
-            _fetch_file, self._provider, self.found, name, self._part, guarded=self._guarded
-        )
+        return self._network.submit(self._fetch_file, name)
+
+    def _fetch_file(self, name: str) -> "_File":
+        data = self._provider.read(self.found, name)
+        glance = guard.glance(data) if self._guarded else None
+        written = self._disk.submit(write_synced, self._part / name, data)
+        return _File(sha256_of_bytes(data), glance, written)
 
     def _collect(self, name: str, files: "dict[str, _File]", *, allow_missing: bool) -> None:
         try:
-            files[name] = self._files[name].result()
+            file = self._files[name].result()
+            file.written.result()
+            files[name] = file
         except ItemError as error:
             if self.found.grid is None:
                 raise
@@ -192,16 +202,17 @@ def stored_captures(captures: Path) -> dict[str, StoredCapture]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _File:
-    """A file on disk: its SHA-256, and what it looks like from afar."""
+    """A file that came: its SHA-256, what it looks like from afar, and its way to the disk."""
 
     digest: str
     glance: NDArray[np.uint8] | None
+    written: Future[None]
 
 
-def _fetch_file(
-    provider: Provider, found: Found, name: str, folder: Path, *, guarded: bool
-) -> _File:
-    data = provider.read(found, name)
-    glance = guard.glance(data) if guarded else None
-    write_synced(folder / name, data)
-    return _File(sha256_of_bytes(data), glance)
+def _successes(files: Iterable[Future[_File]]) -> list[_File]:
+    return [one.result() for one in files if not one.cancelled() and one.exception() is None]
+
+
+def _is_there(file: Future[_File]) -> bool:
+    """Whether nothing is to be waited for any more, be it a file or a failure."""
+    return file.done() and all(one.written.done() for one in _successes([file]))

@@ -60,13 +60,17 @@ class Transfer:
         """
         stored = 0
         out_of_budget: QuotaError | None = None
-        with ThreadPoolExecutor(self._settings.concurrency, "panokit-fetch") as executor:
+        workers = self._settings.concurrency
+        with (
+            ThreadPoolExecutor(workers, "panokit-fetch-disk") as disk,
+            ThreadPoolExecutor(workers, "panokit-fetch") as network,
+        ):
             try:
                 while True:
                     if out_of_budget is None:
                         left = None if wanted is None else wanted - stored
                         try:
-                            yield from self._begin(candidates, left, executor)
+                            yield from self._begin(candidates, left, network, disk)
                         except QuotaError as error:
                             out_of_budget = error
                     if not self._under_way:
@@ -87,10 +91,11 @@ class Transfer:
         self,
         candidates: Iterator[Found | Rejection],
         left: int | None,
-        executor: ThreadPoolExecutor,
+        network: ThreadPoolExecutor,
+        disk: ThreadPoolExecutor,
     ) -> Iterator[Rejection]:
         """Begin pictures while more are wanted and there is room; passes rejections on."""
-        room = 2 * self._settings.concurrency
+        room = 4 * self._settings.concurrency
         while left is None or len(self._under_way) < left:
             outstanding = sum(download.outstanding for download in self._under_way)
             if max(outstanding, len(self._under_way)) >= room:
@@ -106,7 +111,7 @@ class Transfer:
             folder = self._captures / candidate.capture.key
             guarded = self._settings.source != "folder"  # the user's own pictures may be black
             download = Download(
-                self._clean(candidate), folder, self._provider, executor, guarded=guarded
+                self._clean(candidate), folder, self._provider, network, disk, guarded=guarded
             )
             self._under_way.append(download)
 

@@ -48,6 +48,7 @@ class Transport:
         self._user_agent = user_agent
         self._local = threading.local()
         self._sessions: list[requests.Session] = []
+        self._environments: dict[str, dict[str, Any]] = {}
         self._lock = threading.Lock()
 
     def exchange(self, request: Request) -> Reply | Failure:
@@ -104,7 +105,8 @@ class Transport:
         body: Any,
     ) -> Iterator[requests.Response]:
         timeout = (self._policy.connect_timeout_s, self._policy.read_timeout_s)
-        response = self._session().request(
+        session = self._session()
+        response = session.request(
             method,
             url,
             params=params,
@@ -113,6 +115,7 @@ class Transport:
             timeout=timeout,
             allow_redirects=False,
             stream=True,
+            **self._surroundings(session, url),
         )
         try:
             yield response
@@ -130,6 +133,19 @@ class Transport:
             if time.monotonic() > deadline_s:
                 raise exceptions.ReadTimeout("too slow")
         return b"".join(chunks)
+
+    def _surroundings(self, session: requests.Session, url: str) -> dict[str, Any]:
+        """Proxies and certificates that the environment names for a host, looked up once."""
+        host = urlsplit(url)._replace(path="", query="", fragment="").geturl()
+        known = self._environments.get(host)
+        if known is None:
+            with self._lock:
+                session.trust_env = True
+                found = session.merge_environment_settings(host, {}, None, None, None)
+                session.trust_env = False
+            known = {name: found[name] for name in ("proxies", "verify", "cert")}
+            self._environments[host] = known
+        return known
 
     def _redirect_target(self, source: str, location: str) -> str:
         """Where a redirect leads, without credentials if that is another origin."""
@@ -150,8 +166,9 @@ class Transport:
         if session is None:
             session = requests.Session()
             session.headers["User-Agent"] = self._user_agent
-            # Proxies come from the environment, passwords from ~/.netrc do not.
+            # Proxies come from the environment (see above), passwords from ~/.netrc do not.
             session.auth = _no_authentication
+            session.trust_env = False
             session.cookies.set_policy(DefaultCookiePolicy(allowed_domains=[]))
             self._local.session = session
             with self._lock:
