@@ -3,7 +3,9 @@
 transfer   the sRGB curve, exact both ways
 luminance  Rec.709 luminance, and its statistics over the sphere
 tonemap    pictures of HDR maps for people to look at
-camera     LDR pictures from HDR maps: the camera presets A and B
+camera     LDR pictures from HDR maps: the camera presets A, B and STREET
+development  what happens to light within a camera: noise, clipping, local toning
+response   the curves of cameras
 temperature  chromaticity, and how warm or cool a light is
 """
 

@@ -2,5 +2,7 @@
 
 gain_net       log gain on a 128x64 grid, and the camera's curve
 component_net  log gain of each burnt-out component
+camera         the torch twin of the camera in `panokit.color`
+expandnet      ExpandNet as published, to compare with
 curve          the torch twin of the response curve in `panokit.expand`
 """

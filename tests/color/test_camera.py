@@ -1,12 +1,14 @@
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from panokit.color import luminance, srgb_encode_u8, weighted_percentile
+from panokit.color import luminance, srgb_encode, srgb_encode_u8, weighted_percentile
 from panokit.color.camera import (
     CAMERA_A,
     CAMERA_B,
+    CAMERA_STREET,
     Camera,
     photograph,
     sigmoid_encode,
@@ -82,3 +84,64 @@ def test_a_black_map_has_no_exposure():
 def test_a_camera_refuses_levels_in_the_wrong_order():
     with pytest.raises(UsageError, match="low <= high"):
         Camera(name="odd", level=(1.0, 0.5))
+
+
+def as_first_released(radiance: np.ndarray, camera: Camera, seed: int) -> np.ndarray:
+    """The presets as they were before cameras could do more: what scores were measured with."""
+    random = np.random.default_rng([seed, 0x63616D])
+    level = float(np.exp(random.uniform(*np.log(camera.level))))
+    weights = row_solid_angles(len(radiance))[:, None]
+    bright = weighted_percentile(luminance(radiance), weights, 90)
+    exposed = np.minimum(radiance * np.float32(level / bright), 1)
+    if random.random() < camera.sigmoid_share:
+        n, s = (max(float(random.normal(*camera.sigmoid_n)), 0.3),
+                max(float(random.normal(*camera.sigmoid_s)), 0.1))  # fmt: skip
+        raised = np.power(exposed, np.float32(n))
+        encoded = np.asarray((1 + s) * raised / (raised + s), np.float32)
+    else:
+        encoded = srgb_encode(exposed)
+    pixels = np.rint(encoded * 255).astype(np.uint8)
+    if camera.jpeg_quality is not None:
+        quality = int(random.integers(camera.jpeg_quality[0], camera.jpeg_quality[1] + 1))
+        options = [cv2.IMWRITE_JPEG_QUALITY, quality]
+        data = cv2.imencode(".jpg", np.ascontiguousarray(pixels[..., ::-1]), options)[1]
+        pixels = cv2.imdecode(data, cv2.IMREAD_COLOR)[..., ::-1]
+    return pixels
+
+
+@pytest.mark.parametrize("camera", [CAMERA_A, CAMERA_B], ids=lambda camera: camera.name)
+@pytest.mark.parametrize("seed", [0, 1, 1_000_000_007])
+def test_the_test_cameras_take_the_pictures_they_always_took(camera: Camera, seed: int):
+    radiance = scene(3)
+    pixels = photograph(radiance, camera, seed=seed).pixels
+    assert np.array_equal(pixels, as_first_released(radiance, camera, seed))
+
+
+def test_the_street_camera_draws_from_everything_it_has():
+    radiance = scene(height=16)
+    shots = [photograph(radiance, CAMERA_STREET, seed=seed) for seed in range(120)]
+    drawn = [shot.development for shot in shots]
+    assert {one.response.family for one in drawn} == {"srgb", "gamma", "sigmoid", "toned"}
+    assert len({one.response for one in drawn if one.response.family == "toned"}) >= 6
+    assert 0.25 < np.mean([one.local > 0 for one in drawn]) < 0.55
+    log_red = np.log([one.white_balance[0] for one in drawn])
+    assert log_red.std() == pytest.approx(0.06, rel=0.3)
+    assert min(one.shot_noise for one in drawn) >= 0.002
+    assert max(one.read_noise for one in drawn) <= 0.004
+    assert len({shot.jpeg_quality for shot in shots}) > 10
+    again = photograph(radiance, CAMERA_STREET, seed=5)
+    assert again.development == drawn[5]
+    assert np.array_equal(again.pixels, shots[5].pixels)
+
+
+def test_the_presets_have_neither_noise_nor_another_color():
+    for camera in (CAMERA_A, CAMERA_B):
+        development = photograph(scene(), camera, seed=2).development
+        assert not development.has_noise
+        assert development.local == 0
+        assert development.white_balance == (1.0, 1.0)
+
+
+def test_a_camera_refuses_shares_of_more_than_all():
+    with pytest.raises(UsageError, match="at most 1"):
+        Camera(name="odd", level=(1.0, 1.0), sigmoid_share=0.7, toned_share=0.7)
