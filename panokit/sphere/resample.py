@@ -20,7 +20,7 @@ from panokit.sphere.pixel_map import Interpolation
 from panokit.sphere.sampling import rotate_pixels
 from panokit.sphere.solid_angle import row_overlap_weights, row_solid_angles
 
-Values = TypeVar("Values", bound=NDArray[Any])
+_Values = TypeVar("_Values", bound=NDArray[Any])
 
 
 def resize(envmap: EnvironmentMap, width_px: int) -> EnvironmentMap:
@@ -128,7 +128,7 @@ def _as_radiance(radiance: NDArray[Any], what_for: str) -> NDArray[np.float32]:
     return np.asarray(radiance, np.float32)
 
 
-def _checked(result: Values) -> Values:
+def _checked(result: _Values) -> _Values:
     # A sum over all pixels shows whether any was not finite, without a look at each.
     if not np.isfinite(result.sum(dtype=np.float64)):
         raise UsageError(
