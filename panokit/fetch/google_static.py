@@ -137,19 +137,18 @@ class GoogleStatic:
 
 
 def plan_views(fov_deg: float) -> tuple[View, ...]:
-    """Views that cover the sphere, each overlapping its neighbors by a fifth or more.
+    """Views that cover the sphere, nearly all of it twice: 22 of 75 degrees.
 
-    Rows of views, two thirds of a view apart in pitch, each with as many as its nearest
-    parallel to the horizon needs, and one view straight up and down: 22 of 75 degrees.
+    Rows of views from the horizon to straight up and down, at most two thirds of a view apart in
+    pitch; each row has as many as its parallel nearest to the horizon needs.
     """
-    row_deg = fov_deg * 2 / 3
+    steps = math.ceil(90 / (0.66 * fov_deg))
     rows = [(0.0, math.ceil(360 / (0.6 * fov_deg)))]
-    pitch = row_deg
-    while pitch <= 90 - fov_deg / 3:
+    for step in range(1, steps):
+        pitch = 90 * step / steps
         nearest_deg = max(pitch - fov_deg / 2, 0.0)
         count = math.ceil(360 / (0.8 * fov_deg) * math.cos(math.radians(nearest_deg)))
         rows += [(pitch, count), (-pitch, count)]
-        pitch += row_deg
     rows += [(90.0, 1), (-90.0, 1)]
     poses = [(360 / count * i, pitch) for pitch, count in rows for i in range(count)]
     return tuple(

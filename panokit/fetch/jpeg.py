@@ -1,6 +1,6 @@
-"""What the bytes of a JPEG say of it, without decoding: its size, and whether it is all there."""
+"""What the bytes of a JPEG say, without decoding: its size, whether it is all there, a sphere."""
 
-from panokit.errors import ImageError
+from panokit.errors import ImageError, ItemError
 
 _START, _END = b"\xff\xd8", b"\xff\xd9"
 _START_OF_SCAN = 0xDA
@@ -43,3 +43,18 @@ def jpeg_size(data: bytes, what: str) -> tuple[int, int]:
                 return size
             break
     raise ImageError(f"{what} ends early. Fetch it again.", reason="truncated")
+
+
+def check_sphere(body: bytes, what: str) -> None:
+    """Check that a body is a whole JPEG of a full sphere.
+
+    Raises:
+        ItemError: If not ("not-an-image", "truncated", "not-360").
+    """
+    width, height = jpeg_size(body, what)
+    if width != 2 * height:
+        raise ItemError(
+            f"{what} is {width}x{height}; a full sphere is twice as wide as high.",
+            reason="not-360",
+            values={"width_px": width, "height_px": height},
+        )

@@ -19,8 +19,8 @@ from panokit.capture import Capture, TimePrecision, capture_key, license_from_sp
 from panokit.errors import AuthError, ItemError, NetworkError, Rejection
 from panokit.fetch.cells import Bbox, Listing
 from panokit.fetch.geodesy import LatLon
+from panokit.fetch.jpeg import check_sphere
 from panokit.fetch.nearest import NearestPictures
-from panokit.fetch.panoramax import check_picture
 from panokit.fetch.places import Place
 from panokit.fetch.provider import Found
 from panokit.fetch.settings import FetchSettings
@@ -94,7 +94,7 @@ class Mapillary:
         request = Request(
             url=address,
             expect="image",
-            check=lambda body: check_picture(body, found.capture.id),
+            check=lambda body: check_sphere(body, found.capture.id),
         )
         try:
             return self._client.send(request).body

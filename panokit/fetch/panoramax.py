@@ -24,7 +24,7 @@ from panokit.capture import (
 from panokit.errors import ItemError, NetworkError, Rejection
 from panokit.fetch.cells import Bbox, Listing
 from panokit.fetch.geodesy import LatLon
-from panokit.fetch.jpeg import jpeg_size
+from panokit.fetch.jpeg import check_sphere
 from panokit.fetch.nearest import NearestPictures
 from panokit.fetch.places import Place
 from panokit.fetch.provider import Found
@@ -65,7 +65,7 @@ class Panoramax:
         request = Request(
             url=found.address,
             expect="image",
-            check=lambda body: check_picture(body, found.capture.id),
+            check=lambda body: check_sphere(body, found.capture.id),
         )
         try:
             return self._client.send(request).body
@@ -165,21 +165,6 @@ def parse_item(item: Mapping[str, Any], url: str) -> Found | None:
 def _rejection(picture_id: str, reason: str, message: str) -> Rejection:
     key = capture_key("panoramax", picture_id)
     return Rejection(item=key, stage="fetch", reason=reason, message=message)
-
-
-def check_picture(body: bytes, what: str) -> None:
-    """Check that a body is a whole JPEG of a full sphere.
-
-    Raises:
-        ItemError: If not ("not-an-image", "truncated", "not-360").
-    """
-    width, height = jpeg_size(body, what)
-    if width != 2 * height:
-        raise ItemError(
-            f"{what} is {width}x{height}; a full sphere is twice as wide as high.",
-            reason="not-360",
-            values={"width_px": width, "height_px": height},
-        )
 
 
 def _license(item: Mapping[str, Any], properties: Mapping[str, Any]) -> License:

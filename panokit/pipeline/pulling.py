@@ -61,7 +61,13 @@ def pull_into(
         StorageError: If the library cannot be written.
     """
     if client is None:
-        policy = Policy(rate_per_s=settings.requests_per_s, burst=4)
+        # A map of 16384 px may be near a gigabyte, and take its time.
+        policy = Policy(
+            rate_per_s=settings.requests_per_s,
+            burst=4,
+            total_timeout_s=3600.0,
+            max_body_bytes=1 << 31,
+        )
         with Client(policy, budget=Budget(settings.max_requests)) as own:
             return pull_into(settings, folder, console, client=own)
     there = _names_in(folder)

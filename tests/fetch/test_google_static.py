@@ -75,19 +75,20 @@ def times_seen(views):
     return seen
 
 
-@pytest.mark.parametrize("fov_deg", [50.0, 60.0, 67.5, 75.0, 90.0, 100.0])
+@pytest.mark.parametrize("fov_deg", range(50, 101, 2))
 def test_every_direction_is_seen_beside_the_marks(fov_deg):
-    seen = times_seen(plan_views(fov_deg))
+    seen = times_seen(plan_views(float(fov_deg)))
     assert seen.min() >= 1
-    # Half of the sphere is in two views or more, for gains to be found and seams to be hidden.
-    assert (seen >= 2).mean() > 0.5
+    # Most is in two views or more, for gains to be found and seams to be hidden.
+    assert (seen >= 2).mean() > 0.85
 
 
 def test_the_usual_plan_has_22_views():
     assert len(VIEWS) == 22
     assert len({view.name for view in VIEWS}) == 22
     assert {view.masked_px for view in VIEWS} == {(MARKS_PX,)}
-    assert len(plan_views(50.0)) > 30 > len(plan_views(100.0))
+    assert len(plan_views(50.0)) > 40
+    assert len(plan_views(100.0)) < 20
 
 
 def test_a_view_s_pose():

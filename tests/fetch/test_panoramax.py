@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from panokit.errors import ItemError, NetworkError
-from panokit.fetch.panoramax import check_picture, parse_search
+from panokit.fetch.jpeg import check_sphere
+from panokit.fetch.panoramax import parse_search
 from panokit.io.images import encode_jpeg
 from tests.fetch.conftest import picture_bytes
 
@@ -88,7 +89,7 @@ def test_another_service_is_not_taken_for_panoramax(body):
 
 
 def test_a_picture_must_be_a_whole_sphere():
-    check_picture(picture_bytes(64), "it")
+    check_sphere(picture_bytes(64), "it")
     with pytest.raises(ItemError) as caught:
-        check_picture(encode_jpeg(np.zeros((32, 48, 3), np.uint8)), "it")
+        check_sphere(encode_jpeg(np.zeros((32, 48, 3), np.uint8)), "it")
     assert caught.value.reason == "not-360"
