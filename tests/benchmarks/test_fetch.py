@@ -1,0 +1,84 @@
+"""Fetching from a local server against a bare download of the same bytes.
+
+pytest tests/benchmarks/test_fetch.py --benchmark-columns=min,mean,rounds
+
+The server is another process and has every tile encoded before the clock starts. The bare
+download neither writes nor checks what it gets.
+"""
+
+import os
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+import requests
+
+from panokit.fetch import fetch
+from panokit.io.files import write_json
+from tests.fetch.town import town, wanted
+
+PANORAMAS, CONCURRENCY = 24, 8
+KEY = {"key": "panokit"}
+
+
+@pytest.fixture(scope="module")
+def endpoint(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("served")
+    for picture in town(folder, PANORAMAS):
+        record = picture.capture.to_json()
+        write_json(folder / f"{picture.image.stem}.json", record)
+    serve = [sys.executable, "-m", "panokit", "synthetic", "serve", "--images", str(folder)]
+    with subprocess.Popen(
+        [*serve, "--port", "0"],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    ) as process:
+        yield process.stdout.readline().split()[-1]
+        process.terminate()
+
+
+@pytest.fixture(scope="module")
+def addresses(endpoint, tmp_path_factory):
+    os.environ["GOOGLE_MAPS_API_KEY"] = "panokit"
+    result = fetch(wanted(endpoint, PANORAMAS), tmp_path_factory.mktemp("warm"))
+    return [
+        (
+            f"{endpoint}/v1/streetview/tiles/{one.grid.zoom}/{column}/{row}",
+            {"panoId": one.capture.id},
+        )
+        for one in result.stored
+        for column, row in one.grid.cells()
+    ]
+
+
+def bare_download(endpoint, addresses):
+    local = threading.local()
+    url = f"{endpoint}/v1/createSession"
+    session = requests.post(url, params=KEY, json={"mapType": "streetview"}, timeout=9).json()
+    signed = KEY | {"session": session["session"]}
+
+    def get(address):
+        if not hasattr(local, "session"):
+            local.session = requests.Session()
+        url, params = address
+        return len(local.session.get(url, params=params | signed, timeout=9).content)
+
+    with ThreadPoolExecutor(CONCURRENCY) as threads:
+        return sum(threads.map(get, addresses))
+
+
+@pytest.mark.benchmark(group="tiles of 24 panoramas")
+def test_bare_download(benchmark, endpoint, addresses):
+    assert benchmark.pedantic(bare_download, args=(endpoint, addresses), rounds=5) > 1e6
+
+
+@pytest.mark.benchmark(group="tiles of 24 panoramas")
+def test_panokit(benchmark, endpoint, addresses, tmp_path_factory):
+    def run():
+        return fetch(wanted(endpoint, PANORAMAS), tmp_path_factory.mktemp("run"))
+
+    result = benchmark.pedantic(run, rounds=5)
+    assert sum(len(one.files) for one in result.stored) == len(addresses)
