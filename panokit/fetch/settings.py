@@ -107,7 +107,7 @@ class FetchSettings(Settings):
     """Pictures by id, or by the address of their page in the browser; all of them are taken."""
 
     picture_list: Annotated[Path | None, Parameter(group=_WHERE)] = None
-    """A text file with one id or address on a line."""
+    """A text file with one id or address on a line; what follows a space and a # is a comment."""
 
     folder: Annotated[Path | None, Parameter(group=_SOURCE)] = None
     """For the source "folder": where the pictures are. All of them are taken."""

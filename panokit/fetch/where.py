@@ -34,7 +34,7 @@ def areas_of(settings: FetchSettings) -> list[Place | None]:
 
 def ids_of(settings: FetchSettings) -> tuple[str, ...]:
     """The ids of the pictures that are asked for by name, each once."""
-    texts = (*settings.pictures, *_listed(settings.picture_list))
+    texts = (*settings.pictures, *_listed(settings.picture_list, " #"))
     if not texts:
         return ()
     return picture_ids(settings.source, texts)
@@ -107,10 +107,10 @@ def _asks_for_places(settings: FetchSettings) -> bool:
     return any(asked) or settings.point is not None or settings.bbox is not None
 
 
-def _listed(path: Path | None) -> Iterator[str]:
-    """The lines of a list, without comments: a # at the start of a line or after a space."""
+def _listed(path: Path | None, comment: str = "#") -> Iterator[str]:
+    """The lines of a list, without comments; an address may have a # in it."""
     if path is not None:
         for line in read_bytes(path).decode("utf-8", "replace").splitlines():
-            name = f" {line}".partition(" #")[0].strip()
+            name = f" {line}".partition(comment)[0].strip()
             if name:
                 yield name

@@ -28,6 +28,7 @@ from panokit.fetch.google_static import (
     plan_views,
     sign,
 )
+from panokit.frames import azimuth_elevation_from_direction
 from panokit.http import Client
 from panokit.io import read_capture
 from panokit.io.images import decode_image, encode_jpeg
@@ -179,6 +180,24 @@ def test_the_record_holds_all_that_a_stitch_needs(server, static, tmp_path):
         stitch(stored)
     assert caught.value.reason == "views"
     assert "overlapping views" in str(caught.value)
+
+
+def test_each_view_shows_what_its_pose_says(server, pictures, static, tmp_path):
+    (one,) = fetch(static(), tmp_path).stored
+    served = next(p for p in pictures if p.capture.id == one.capture.id)
+    panorama = decode_image(served.image.read_bytes(), what="served").astype(float)
+    height, width = panorama.shape[:2]
+    apart = []
+    for view in one.views:
+        ahead = view.world_from_view.apply(np.array([0.0, 0, -1]))
+        seen = served.capture.world_from_camera.inverse.apply(ahead)
+        azimuth, elevation = azimuth_elevation_from_direction(seen)
+        column = round((azimuth / (2 * np.pi) + 0.5) * width) % width
+        row = min(round((0.5 - elevation / np.pi) * height), height - 1)
+        middle = decode_image(one.read(view.name), what=view.name)[318:322, 318:322].astype(float)
+        apart.append(np.abs(middle.mean(axis=(0, 1)) - panorama[row, column]).max())
+    # The pattern has edges, where a pixel's width decides: the median does not see them.
+    assert np.median(apart) < 4
 
 
 def test_requests_are_signed_where_there_is_a_secret(server, static, tmp_path, monkeypatch):
