@@ -51,6 +51,14 @@ class Session:
         return tuple(value.name for value in self._session.get_inputs())
 
     @property
+    def input_shapes(self) -> tuple[tuple[int | None, ...], ...]:
+        """Shapes of the inputs, in order; None where a length is free."""
+        return tuple(
+            tuple(length if isinstance(length, int) else None for length in value.shape)
+            for value in self._session.get_inputs()
+        )
+
+    @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs, in order."""
         return tuple(value.name for value in self._session.get_outputs())

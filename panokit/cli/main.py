@@ -48,6 +48,10 @@ _GROUPS = {
             "pull": ("pull:pull", "Pull HDR maps of Poly Haven (CC0)"),
         },
     ),
+    "evaluate": (
+        "How good methods are, on data that they have not seen",
+        {"expansion": ("evaluate:expansion", "The light recovered from clipped panoramas")},
+    ),
     "models": (
         "The released networks",
         {

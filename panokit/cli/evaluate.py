@@ -1,0 +1,95 @@
+"""`panokit evaluate expansion`: how much light methods recover."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from panokit.cli.options import Json
+from panokit.console import Console
+from panokit.evaluate.settings import ExpansionEvaluation
+from panokit.expand.settings import ExpandSettings
+
+if TYPE_CHECKING:
+    from panokit.evaluate.predictors import Method
+
+
+def expansion(
+    *,
+    probes: Path,
+    out: Path,
+    model: tuple[str, ...] = (ExpandSettings().model,),
+    command: tuple[str, ...] = (),
+    settings: Annotated[ExpansionEvaluation, Parameter(name="*")] = ExpansionEvaluation(),
+    json: Json = False,
+) -> int:
+    """Judge expansion methods on HDR probes: the light they recover from clipped pictures.
+
+    LDR, sRGB, inverse Reinhard and the area rule are always judged, too. What is scored is
+    kept; run the same command again to go on, or add a method.
+
+    Parameters
+    ----------
+    probes
+        A folder of HDR maps, with a manifest.csv that tells kinds and places, or without.
+    out
+        Where expansion.json, expansion.md and the kept scores go.
+    model
+        A released model, or a model's folder (with {fold} for one of each fold), or any .onnx
+        file that takes a picture and gives radiance. Can be given several times.
+    command
+        A program of yours: "NAME=PROGRAM {input} {output}" gets a PNG and writes an EXR. Can be
+        given several times.
+    """
+    from panokit.evaluate import evaluate_expansion, write_evaluation
+
+    console = Console(as_json=json)
+    methods = [_method(name) for name in model] + _commands(command, settings)
+    result = evaluate_expansion(probes, methods, out, settings, console)
+    paths = write_evaluation(result, out)
+    from panokit.evaluate.expansion_report import evaluation_record
+
+    record = evaluation_record(result)
+    for camera, columns in record["cameras"].items():
+        _show(console, camera, columns)
+    console.result(f"All figures: {paths[1]}")
+    console.value({key: value for key, value in record.items() if key != "rows"})
+    return 0
+
+
+def _method(name: str) -> "Method":
+    from panokit.evaluate.peers import onnx_method
+    from panokit.evaluate.predictors import model_method
+
+    return onnx_method(Path(name)) if name.endswith(".onnx") else model_method(name)
+
+
+def _commands(texts: tuple[str, ...], settings: ExpansionEvaluation) -> "list[Method]":
+    from panokit.evaluate.peers import command_method
+
+    return [command_method(text, settings.timeout_s) for text in texts]
+
+
+def _show(console: Console, camera: str, columns: dict[str, Any]) -> None:
+    """A few figures that fit a terminal of 80 columns."""
+    keys = {
+        "energy_median": "energy",
+        "irradiance_median": "irrad.",
+        "light_vector_mean": "vector",
+        "ball_median": "ball",
+        "pu21_crf_mean": "PU21",
+        "cpu_seconds_median": "CPU s",
+    }
+    rows = []
+    for name, column in columns.items():
+        mark = {"seen": "*", "unknown": "?", "unseen": ""}[column["status"]]
+        figures = [column["figures"][key] for key in keys]
+        cells = ["-" if f is None else f"{f['value']:.3g}" for f in figures]
+        rows.append((f"{name}{mark}", str(column["pictures"]), *cells))
+    console.table((f"camera {camera}", "n", *keys.values()), rows)
+    statuses = {column["status"] for column in columns.values()}
+    if "seen" in statuses:
+        console.result("* trained on these very probes: proves nothing")
+    if "unknown" in statuses:
+        console.result("? does not say what it was trained on")
+    console.result("")

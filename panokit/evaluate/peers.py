@@ -1,0 +1,186 @@
+"""Other people's methods as columns of the table: any ONNX file, any command.
+
+An ONNX file takes one picture and gives one: the input is float32, RGB, sRGB-encoded in
+[0, 1], of shape (1, 3, H, W) or (1, H, W, 3), with free or fixed height and width; the first
+output has the same layout and is linear radiance, of any scale (the protocol aligns it).
+Where height and width are fixed, the picture is resized for it and the answer back.
+
+A command gets the path of a PNG and writes an EXR (or .hdr) at another path, linear, of any
+size with the picture's shape of 2:1. `{input}` and `{output}` in it stand for the two; without
+them they are added at its end.
+"""
+
+import shlex
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.errors import ItemError, ModelError, UsageError
+from panokit.evaluate.predictors import Method, file_digest, seen_digests
+from panokit.evaluate.probe_set import ListedProbe
+from panokit.inference import Session
+from panokit.io import read_environment_map
+from panokit.io.files import write_bytes
+from panokit.io.images import encode_png
+from panokit.provenance import digest_of
+from panokit.sphere import resize_radiance
+
+_TOLD = 300
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OnnxPredictor:
+    """An ONNX file.
+
+    Attributes:
+        digest: Of the file.
+        session: Loaded.
+        seen: SHA-256 of the probes that a training.json beside it lists, or None.
+    """
+
+    digest: str
+    session: Session
+    seen: frozenset[str] | None
+
+    def predict(self, pixels: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """See `panokit.evaluate.predictors.Predictor`."""
+        shape = self.session.input_shapes[0]
+        is_last = shape[-1] == 3 and shape[1] != 3
+        height, width = shape[1:3] if is_last else shape[2:4]
+        picture = pixels.astype(np.float32) / 255
+        if height is not None and width is not None:
+            picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
+        batch = picture[None] if is_last else picture.transpose(2, 0, 1)[None]
+        answer = self.session.run({self.session.inputs[0]: batch})[self.session.outputs[0]]
+        if answer.shape != batch.shape:
+            raise ModelError(
+                f"The network gave {answer.shape} for {batch.shape}; an expansion gives a "
+                "picture of the input's shape. See docs/commands/evaluate.md."
+            )
+        light = np.maximum(answer[0] if is_last else answer[0].transpose(1, 2, 0), 0)
+        return _at_size(np.ascontiguousarray(light, np.float32), pixels.shape[:2])
+
+    def has_seen(self, probe: ListedProbe) -> bool | None:
+        """By the training.json beside the file."""
+        return None if self.seen is None else probe.sha256 in self.seen
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommandPredictor:
+    """A command of the user's.
+
+    Attributes:
+        words: Of the command.
+        timeout_s: For one picture.
+    """
+
+    words: tuple[str, ...]
+    timeout_s: float
+
+    @property
+    def digest(self) -> str:
+        """Of the command line; what it runs may change behind it."""
+        return digest_of(["command", *self.words])
+
+    def predict(self, pixels: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """See `panokit.evaluate.predictors.Predictor`.
+
+        Raises:
+            ItemError: If the command fails on this picture, or writes no map.
+        """
+        with tempfile.TemporaryDirectory(prefix="panokit-") as folder:
+            source, target = Path(folder, "input.png"), Path(folder, "output.exr")
+            write_bytes(source, encode_png(pixels))
+            words = [w.replace("{input}", str(source)).replace("{output}", str(target))
+                     for w in self.words]  # fmt: skip
+            self._run(words)
+            if not target.is_file():
+                raise ItemError(
+                    f"{self.words[0]} ended well but wrote no {{output}}. It must write an EXR "
+                    "at the path that it is given.",
+                    reason="no-output",
+                )
+            return _at_size(read_environment_map(target).radiance, pixels.shape[:2])
+
+    def has_seen(self, probe: ListedProbe) -> bool | None:
+        """Nobody says."""
+        return None
+
+    def _run(self, words: list[str]) -> None:
+        try:
+            done = subprocess.run(
+                words, capture_output=True, timeout=self.timeout_s, check=False, text=True
+            )
+        except OSError as error:
+            raise UsageError(
+                f"Cannot run {words[0]}: {error.strerror}. Check the --command."
+            ) from error
+        except subprocess.TimeoutExpired as error:
+            raise ItemError(
+                f"{words[0]} took longer than {self.timeout_s:g} s. Raise --timeout-s.",
+                reason="timeout",
+            ) from error
+        if done.returncode:
+            said = " ".join((done.stderr or done.stdout).split())[-_TOLD:]
+            raise ItemError(
+                f"{words[0]} failed with code {done.returncode}: {said or 'it said nothing'}",
+                reason="command-failed",
+            )
+
+
+def onnx_method(path: Path) -> Method:
+    """An ONNX file as a column named like the file.
+
+    Raises:
+        ModelError: If it cannot be loaded, or does not take one RGB picture.
+    """
+    session = Session(path, threads=1)
+    shapes = session.input_shapes
+    fits = len(shapes) == 1 and len(shapes[0]) == 4 and 3 in (shapes[0][1], shapes[0][-1])
+    if not fits:
+        raise ModelError(
+            f"{path} takes inputs of shape {[list(shape) for shape in shapes]}; a peer takes one "
+            "RGB picture, (1, 3, H, W) or (1, H, W, 3). See docs/commands/evaluate.md."
+        )
+    predictor = OnnxPredictor(
+        digest=file_digest(path), session=session, seen=seen_digests(path.parent)
+    )
+    return Method(name=path.stem, predictor=lambda fold: predictor)
+
+
+def command_method(text: str, timeout_s: float) -> Method:
+    """A command as a column: "NAME=COMMAND", or a command, named by its program.
+
+    Raises:
+        UsageError: If there is no command in it.
+    """
+    name, equals, rest = text.partition("=")
+    if not equals or not name.replace("-", "").replace("_", "").replace(".", "").isalnum():
+        name, rest = "", text
+    try:
+        words = shlex.split(rest)
+    except ValueError as error:
+        raise UsageError(f"--command {text!r} is not a command line: {error}.") from error
+    if not words:
+        raise UsageError("--command takes NAME=PROGRAM ARGUMENTS {input} {output}.")
+    if not any("{input}" in word or "{output}" in word for word in words):
+        words += ["{input}", "{output}"]
+    predictor = CommandPredictor(words=tuple(words), timeout_s=timeout_s)
+    return Method(name=name or Path(words[0]).stem, predictor=lambda fold: predictor)
+
+
+def _at_size(light: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.float32]:
+    height, width = shape[:2]
+    if light.shape[:2] == (height, width):
+        return light
+    if light.shape[1] == 2 * light.shape[0]:
+        return resize_radiance(light, width)
+    raise ItemError(
+        f"The answer is {light.shape[1]}x{light.shape[0]}, not 2:1 like the picture.",
+        reason="wrong-size",
+    )
