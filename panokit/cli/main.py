@@ -158,7 +158,8 @@ def _usage_text(error: CycloptsError) -> str:
         first = cause.errors()[0]
         # Of a field that takes several types, the location also names the type that was tried.
         option = "--" + str(first["loc"][0]).replace("_", "-") if first["loc"] else ""
-        message = first["msg"][0].lower() + first["msg"][1:]
+        said = first["msg"].removeprefix("Value error, ")
+        message = said[0].lower() + said[1:]
         return f"{option} {first['input']}: {message}." if option else f"{message}."
     return _one_line(str(error))
 

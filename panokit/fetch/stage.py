@@ -84,6 +84,7 @@ class _Fetching:
         self._client = client
         self._report = report
         self._known = known
+        self._price = price_of(settings.source, settings.prices)
         captures = Path(out) / "captures"
         self._on_disk = stored_captures(captures)
         self._named = [key for key in keys_of(settings) if key in self._on_disk]
@@ -157,7 +158,7 @@ class _Fetching:
                 yield one
 
     def _plan(self) -> FetchPlan:
-        return plan_of(self._planned, price_of(self._settings.source, self._settings.prices))
+        return plan_of(self._planned, self._price)
 
     def _reject(self, rejection: Rejection) -> None:
         self._rejections.append(rejection)

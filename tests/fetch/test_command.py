@@ -66,6 +66,20 @@ def test_a_dry_run_says_what_it_would_take(server, tmp_path, capsys):
     assert not out.exists()
 
 
+def test_a_table_of_prices_that_is_none_is_told_before_anything_is_asked(server, tmp_path, capsys):
+    table = tmp_path / "prices.toml"
+    table.write_text("[google-tiles")
+    assert typed(server, tmp_path / "run", *BOX, "--prices", str(table)) == 2
+    assert "prices.toml is not a TOML table" in capsys.readouterr().err
+    assert server.requests == []
+
+
+def test_settings_that_contradict_each_other_are_told_in_plain_words(tmp_path, capsys):
+    command = ["fetch", "--source", "folder", "--folder", str(tmp_path), "--picture", "x"]
+    assert main([*command, "--out", str(tmp_path / "run")]) == 2
+    assert capsys.readouterr().err == "panokit: a folder has no pictures by id.\n"
+
+
 def test_what_costs_nothing_says_so(server, tmp_path, capsys):
     command = ["fetch", "--endpoint", server.url, *BOX, "--count", "4", "--dry-run"]
     assert main([*command, "--out", str(tmp_path / "run")]) == 0
