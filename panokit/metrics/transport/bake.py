@@ -16,7 +16,7 @@ from panokit.metrics.transport.plane import Patches, grid_directions, patches
 from panokit.metrics.transport.scenes import ROUGH_BALLS, RoughBall
 
 _AZIMUTHS = 512
-_LEVELS = 300
+_LEVELS = 3000
 _LEAST_EXPONENT = 14
 _SIZE_PX = 64
 _RAYS = 4
