@@ -12,8 +12,21 @@ from numpy.typing import NDArray
 from panokit.errors import ImageError, ItemError, RecordError
 from panokit.fetch import guard
 from panokit.fetch.provider import Found, Provider
-from panokit.io.captures import RECORD, StoredCapture, read_capture, tile_name, write_capture
-from panokit.io.files import publish_folder, sha256_of_bytes, storage_error, write_synced
+from panokit.io.captures import (
+    RECORD,
+    StoredCapture,
+    cell_of_tile,
+    read_capture,
+    tile_name,
+    write_capture,
+)
+from panokit.io.files import (
+    publish_folder,
+    read_bytes,
+    sha256_of_bytes,
+    storage_error,
+    write_synced,
+)
 
 _BLACK_TILE = ImageError(
     "It is black, and what lies beside it is not. Fetch it again later.", reason="black-tile"
@@ -123,9 +136,16 @@ class Download:
 
     def _fetch_file(self, name: str) -> "_File":
         data = self._provider.read(self.found, name)
-        glance = guard.glance(data) if self._guarded else None
+        glance = guard.glance(data) if self._is_suspect(name, data) else None
         written = self._disk.submit(write_synced, self._part / name, data)
         return _File(sha256_of_bytes(data), glance, written)
+
+    def _is_suspect(self, name: str, data: bytes) -> bool:
+        """Whether a file has to be looked at for black."""
+        grid, cell = self.found.grid, cell_of_tile(name)
+        if not self._guarded or grid is None or cell is None:
+            return self._guarded
+        return not guard.is_too_rich_for_black(data, grid, cell)
 
     def _collect(self, name: str, files: "dict[str, _File]", *, allow_missing: bool) -> None:
         try:
@@ -144,10 +164,15 @@ class Download:
         seen = {cell: files[name].glance for cell, name in named if name in files}
         return {cell: glance for cell, glance in seen.items() if glance is not None}
 
-    def _black_tiles(self, files: "Mapping[str, _File]") -> list[str]:
+    def _black_tiles(self, files: "dict[str, _File]") -> list[str]:
         grid = self.found.grid
         if grid is None or not self._guarded:
             return []
+        if not any(guard.is_black(glance) for glance in self._glances(files).values()):
+            return []
+        for name, file in files.items():
+            if file.glance is None:  # what lies beside black has to be known
+                files[name] = replace(file, glance=guard.glance(read_bytes(self._part / name)))
         return [tile_name(*cell) for cell in sorted(guard.lost_cells(self._glances(files), grid))]
 
     def _check(self, files: "Mapping[str, _File]") -> None:
@@ -205,7 +230,7 @@ class _File:
     """A file that came: its SHA-256, what it looks like from afar, and its way to the disk."""
 
     digest: str
-    glance: NDArray[np.uint8] | None
+    glance: NDArray[np.uint8] | None  # None where it cannot be black
     written: Future[None]
 
 

@@ -1,5 +1,6 @@
 """What fetch leaves on disk for one picture: its bytes, as they came, and a record of them."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,7 @@ from panokit.io.files import read_bytes, read_json, sha256_of_bytes, write_json
 
 RECORD = "capture.json"
 SCHEMA = "panokit.capture/1"
+_TILE = re.compile(r"^tiles/(\d+)_(\d+)\.\w+$")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +53,12 @@ class StoredCapture:
 def tile_name(column: int, row: int, suffix: str = ".jpg") -> str:
     """The name of a tile's file in the capture's folder."""
     return f"tiles/{column}_{row}{suffix}"
+
+
+def cell_of_tile(name: str) -> tuple[int, int] | None:
+    """(column, row) of a tile's file, or None for other files."""
+    match = _TILE.match(name)
+    return (int(match[1]), int(match[2])) if match else None
 
 
 def write_capture(stored: StoredCapture, raw: Any = None) -> None:

@@ -12,11 +12,13 @@ import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 import requests
 
 from panokit.fetch import fetch
 from panokit.io.files import write_json
+from panokit.io.images import encode_jpeg
 from tests.fetch.town import town, wanted
 
 PANORAMAS, CONCURRENCY = 24, 8
@@ -26,9 +28,13 @@ KEY = {"key": "panokit"}
 @pytest.fixture(scope="module")
 def endpoint(tmp_path_factory):
     folder = tmp_path_factory.mktemp("served")
+    # Tiles of about 40 kB, as those of streets are.
+    noise = np.random.default_rng(0).normal(128, 12, (1024, 2048, 3))
+    detailed = encode_jpeg(np.clip(noise, 40, 250).astype(np.uint8), quality=85)
     for picture in town(folder, PANORAMAS):
         record = picture.capture.to_json()
         write_json(folder / f"{picture.image.stem}.json", record)
+        picture.image.write_bytes(detailed)
     serve = [sys.executable, "-m", "panokit", "synthetic", "serve", "--images", str(folder)]
     with subprocess.Popen(
         [*serve, "--port", "0"],

@@ -103,3 +103,14 @@ def test_caps_that_the_camera_does_not_see_and_nights_are_fine():
     guard.check_frame(np.full((128, 256), 2, np.uint8), "a night")
     dark = cv2.resize(NIGHT, (256, 128))
     guard.check_frame(dark, "a night")
+
+
+def test_only_tiles_that_may_be_black_are_decoded():
+    rich, plain = b"x" * 30_000, b"x" * 3_000
+    assert guard.is_too_rich_for_black(rich, WIDE, (1, 0))
+    assert not guard.is_too_rich_for_black(plain, WIDE, (1, 0))
+    assert not guard.is_too_rich_for_black(rich, WIDE, (3, 0)), "the last column may have a bar"
+    assert not guard.is_too_rich_for_black(rich, WIDE, (1, 1)), "the last row too"
+    for level in (0, 1):
+        body = encode_jpeg(np.full((512, 512, 3), level, np.uint8), quality=95)
+        assert not guard.is_too_rich_for_black(body, WIDE, (0, 0))

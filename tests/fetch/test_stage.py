@@ -3,6 +3,7 @@
 import threading
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from panokit.errors import LicenseError, NetworkError, OutageError, QuotaError, StorageError
@@ -11,6 +12,8 @@ from panokit.http import Client, Policy
 from panokit.io import read_capture
 from panokit.io.captures import RECORD, write_capture
 from panokit.io.files import read_json, write_synced
+from panokit.io.images import encode_jpeg
+from panokit.synthetic import ServedPicture, StreetServer
 from panokit.synthetic.fault_language import parse_faults
 from panokit.synthetic.faults import Faults, Trouble
 from panokit.synthetic.google_tiles import GoogleTiles
@@ -354,3 +357,22 @@ def test_a_broken_picture_does_not_end_the_run_and_an_outage_does(server, tmp_pa
     with Client(down) as client, pytest.raises(OutageError, match="browser"):
         fetch(google(server), tmp_path, client=client)
     assert incomplete(tmp_path) == []
+
+
+def test_a_black_tile_among_tiles_rich_in_detail(pictures, tmp_path, monkeypatch):
+    monkeypatch.setenv("GOOGLE_MAPS_API_KEY", KEY)
+    noise = np.random.default_rng(0).integers(60, 220, (832, 1664, 3), np.uint8)
+    image = tmp_path / "noise.jpg"
+    image.write_bytes(encode_jpeg(noise))
+    detailed = [ServedPicture(capture=pictures[3].capture, image=image)]
+    faults = Faults(black_tiles=frozenset({(2, 1, 0)}))
+    with StreetServer(detailed, key=KEY, faults=faults) as server:
+        near = STREET.model_copy(update={"latitude_deg": 48.503, "radius_m": 30})
+        settings = google(server, places=(near,), count=1)
+        (lost, _) = fetch(settings, tmp_path / "run").rejections
+        (taken,) = fetch(
+            google(server, places=(near,), count=1, allow_missing=True), tmp_path / "run"
+        ).stored
+    assert (lost.values["cause"], lost.values["tile"]) == ("black-tile", "tiles/1_0.jpg")
+    assert taken.grid.missing == ((1, 0),)
+    assert (taken.folder / "tiles/0_0.jpg").stat().st_size > 20_000
