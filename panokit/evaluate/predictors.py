@@ -145,7 +145,7 @@ def model_method(where: str) -> Method:
         ModelError: If there is none, or its files are damaged.
     """
 
-    @lru_cache(maxsize=1)
+    @lru_cache(maxsize=16)
     def load(place: str) -> ModelPredictor:
         folder = Path(place)
         model = read_model(folder) if (folder / "model.toml").is_file() else find_model(place)
