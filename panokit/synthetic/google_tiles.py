@@ -188,8 +188,8 @@ class GoogleTiles:
     def _links(self, picture: ServedPicture) -> list[dict[str, Any]]:
         here = np.radians(picture.position_deg)
         links = []
-        for other in self._store:
-            if other is picture or other.distance_m(*picture.position_deg) > _LINK_RADIUS_M:
+        for other in self._store.around(*picture.position_deg, _LINK_RADIUS_M):
+            if other is picture:
                 continue
             north, east = np.radians(other.position_deg) - here
             heading_deg = math.degrees(math.atan2(east * math.cos(here[0]), north)) % 360

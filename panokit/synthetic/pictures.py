@@ -73,6 +73,9 @@ class PictureStore:
         self._pictures = {picture.capture.id: picture for picture in pictures}
         if len(self._pictures) != len(pictures):
             raise UsageError("Two pictures to serve have the same id; ids must differ.")
+        self._in_order = list(pictures)
+        places = [picture.position_deg for picture in pictures]
+        self._places = np.radians(np.array(places, np.float64).reshape(-1, 2))
         self._levels = _RecentArrays(budget_bytes)
 
     def __iter__(self) -> Any:
@@ -86,14 +89,24 @@ class PictureStore:
         self, latitude_deg: float, longitude_deg: float, radius_m: float
     ) -> ServedPicture | None:
         """The nearest picture within a radius, or None."""
-        near = min(
-            self._pictures.values(),
-            key=lambda picture: picture.distance_m(latitude_deg, longitude_deg),
-            default=None,
-        )
-        if near is None or near.distance_m(latitude_deg, longitude_deg) > radius_m:
+        distances_m = self._distances_m(latitude_deg, longitude_deg)
+        if not len(distances_m):
             return None
-        return near
+        index = int(np.argmin(distances_m))
+        return self._in_order[index] if distances_m[index] <= radius_m else None
+
+    def around(
+        self, latitude_deg: float, longitude_deg: float, radius_m: float
+    ) -> list[ServedPicture]:
+        """All pictures within a radius."""
+        within = self._distances_m(latitude_deg, longitude_deg) <= radius_m
+        return [self._in_order[index] for index in np.flatnonzero(within)]
+
+    def _distances_m(self, latitude_deg: float, longitude_deg: float) -> NDArray[np.float64]:
+        there = np.radians([latitude_deg, longitude_deg])
+        half = np.sin((self._places - there) / 2) ** 2
+        chord = half[:, 0] + np.cos(self._places[:, 0]) * np.cos(there[0]) * half[:, 1]
+        return np.asarray(2 * _EARTH_RADIUS_M * np.arcsin(np.sqrt(np.minimum(1.0, chord))))
 
     def whole_jpeg(self, picture: ServedPicture, width_px: int, height_px: int) -> bytes:
         """The whole picture at a size; the file's own bytes where that is its size."""

@@ -55,3 +55,13 @@ def test_recent_bodies_keep_to_their_budget():
     assert [bodies.get(name) for name in "abc"] == [b"12345", None, b"123"]
     bodies.put("d", b"x" * 99)
     assert [bodies.get(name) for name in "acd"] == [None, None, b"x" * 99]
+
+
+def test_nearest_and_around_agree_with_the_distances(pictures):
+    store = PictureStore(pictures)
+    for place in [(44.5001, -28.0), (44.59, -28.01), (44.52, -27.9)]:
+        nearest = min(pictures, key=lambda one: one.distance_m(*place))
+        assert store.nearest(*place, 1e6) is nearest
+        assert store.nearest(*place, nearest.distance_m(*place) - 0.1) is None
+        within = [one for one in pictures if one.distance_m(*place) <= 3000]
+        assert store.around(*place, 3000) == within
