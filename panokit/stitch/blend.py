@@ -184,9 +184,7 @@ def _claim(
     owner[where] = np.where(wins, np.int16(number), owner[where])
 
 
-def _cut(
-    extended: NDArray[np.int16], patch: Patch, block: int, width_px: int
-) -> NDArray[np.int16]:
+def _cut(extended: NDArray[np.int16], patch: Patch, block: int, width_px: int) -> NDArray[np.int16]:
     """What a panorama with a border of `block` shows in a patch."""
     height, width = patch.column.shape
     columns = (patch.left + np.arange(width)) % width_px + block

@@ -17,6 +17,7 @@ from panokit.capture import TileGrid
 from panokit.errors import ImageError
 from panokit.io.captures import StoredCapture
 from panokit.stitch.black import CellIndex, black_cells_that_are_missing
+from panokit.stitch.deblock import deblock
 from panokit.stitch.reduce import Reducer
 from panokit.stitch.tiles import cell_from_name, cell_of, decode_tile, fit_tile
 
@@ -44,7 +45,9 @@ class Mosaic:
     resized: list[CellIndex]
 
 
-def mosaic(stored: StoredCapture, grid: TileGrid, width_px: int | None) -> Mosaic:
+def mosaic(
+    stored: StoredCapture, grid: TileGrid, width_px: int | None, *, soften: bool = False
+) -> Mosaic:
     """Put the stored tiles of a capture together.
 
     Args:
@@ -52,6 +55,8 @@ def mosaic(stored: StoredCapture, grid: TileGrid, width_px: int | None) -> Mosai
         grid: Its tile grid.
         width_px: The result is averaged to this width while it is put together, so that the
             whole mosaic is never in memory; None, or one not smaller, keeps the native size.
+        soften: Soften the steps between tiles; a picture that is averaged to half its size or
+            less shows none.
 
     Raises:
         ImageError: If a tile is damaged, not stored though not said to be missing
@@ -68,6 +73,10 @@ def mosaic(stored: StoredCapture, grid: TileGrid, width_px: int | None) -> Mosai
         for _ in _bands(plan, pixels):
             pass
         valid = _valid_rows(plan, range(grid.rows))
+        if soften:
+            deblock(pixels, grid)
+            if valid is not None:
+                pixels[~valid] = 0
     return Mosaic(
         pixels=pixels,
         valid=valid,

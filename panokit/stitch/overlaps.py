@@ -21,6 +21,7 @@ Picture = NDArray[np.uint8] | NDArray[np.float32]
 CLIPPED_CODE = 254
 _CLIPPED_SHARE = 0.02
 _MARGIN_PX = 1.0
+_BLOCK_PX = 2048
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,18 +91,17 @@ def sample_overlaps(thumbnails: Sequence[Thumbnail], grid_width_px: int) -> Over
     radius2 = np.zeros((count, len(directions)), np.float32)
     for number, small in enumerate(thumbnails):
         seen, column, row = visible(small.view, directions)
-        values = cv2.remap(small.linear, column, row, cv2.INTER_LINEAR)[:, 0]
-        usable = cv2.remap(small.usable, column, row, cv2.INTER_LINEAR)[:, 0]
-        linear[number, seen] = values
+        usable = read_at(small.usable, column, row)
+        linear[number, seen] = read_at(small.linear, column, row)
         weight[number, seen] = np.where(usable > 1 - _CLIPPED_SHARE, angles[seen], 0)
-        radius2[number, seen] = radius_squared(small.view, column[:, 0], row[:, 0])
+        radius2[number, seen] = radius_squared(small.view, column, row)
     return Overlaps(linear, weight, radius2)
 
 
 def visible(
     view: View, directions: NDArray[np.float32]
 ) -> tuple[NDArray[np.intp], NDArray[np.float32], NDArray[np.float32]]:
-    """Which of directions (P, 3) a view shows, and their columns and rows, each (n, 1)."""
+    """Which of directions (P, 3) a view shows, and their columns and rows, each (n,)."""
     column, row, depth = project(view, directions)
     inside = (
         (depth > 0)
@@ -109,7 +109,22 @@ def visible(
         & (row >= _MARGIN_PX) & (row <= view.height_px - 1 - _MARGIN_PX)
     )  # fmt: skip
     seen = np.flatnonzero(inside)
-    return seen, column[seen, None], row[seen, None]
+    return seen, column[seen], row[seen]
+
+
+def read_at(
+    picture: NDArray[np.float32], column: NDArray[np.float32], row: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Linear interpolation at a list of places, (n[, C])."""
+    # cv2.remap takes nothing of 32768 or more on a side, so the list becomes a block.
+    count = len(column)
+    block = np.zeros((2, -(-max(count, 1) // _BLOCK_PX) * _BLOCK_PX), np.float32)
+    block[0, :count], block[1, :count] = column, row
+    places = block.reshape(2, -1, _BLOCK_PX)
+    read = cv2.remap(
+        picture, places[0], places[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+    )
+    return np.asarray(read.reshape(-1, *picture.shape[2:])[:count], np.float32)
 
 
 def radius_squared(

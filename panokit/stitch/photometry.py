@@ -112,7 +112,7 @@ def _least_squares(
     shapes: list[NDArray[np.float32]],
     noise: float,
 ) -> NDArray[np.float64]:
-    """x of `values[v, p] = x_v + sum_k x_k shapes_k[v, p] + scene[p]`, the scene eliminated."""
+    """Solve `values[v, p] = x_v + sum_k x_k shapes_k[v, p] + scene[p]` for x, the scene aside."""
     count, size = len(weight), len(weight) + len(shapes)
     total = np.maximum(weight.sum(axis=0), 1e-12)
     share = weight / total

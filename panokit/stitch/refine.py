@@ -6,7 +6,7 @@ after Cauchy, and the poses given are a prior, so that views of empty sky stay w
 Coarse to fine on small copies, since a step is only right within a pixel or two.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -17,7 +17,7 @@ from panokit.capture import View
 from panokit.frames import Rotation
 from panokit.sphere import equirect_directions
 from panokit.stitch.layout import focal_px, reposed
-from panokit.stitch.overlaps import Thumbnail, radius_squared, visible
+from panokit.stitch.overlaps import Thumbnail, radius_squared, read_at, visible
 from panokit.stitch.photometry import Photometry
 
 # (longer side of the small copies, width of the grid of directions, steps)
@@ -46,8 +46,10 @@ class Refined:
 
 def refine_poses(
     views: Sequence[View],
-    stages: Sequence[tuple[Sequence[Thumbnail], int, int]],
+    stages: Iterable[tuple[Sequence[Thumbnail], int, int]],
     photometry: Photometry,
+    *,
+    least_deg: float = 0.0,
 ) -> Refined:
     """Turn each view a little so that overlaps agree.
 
@@ -56,6 +58,7 @@ def refine_poses(
         stages: Small copies of all views, width of the grid of directions, number of steps;
             coarse first.
         photometry: How each view was exposed; the copies are evened out with it.
+        least_deg: Poses of which the first step moves half by less are right, and stay.
     """
     turns = [Rotation.identity()] * len(views)
     before = after = 0.0
@@ -70,7 +73,9 @@ def refine_poses(
             ]
             moves, noise = _step(posed, slopes, directions, area)
             if index == 0 and step == 0:
-                before = noise
+                before = after = noise
+                if np.rad2deg(np.median(np.linalg.norm(moves, axis=-1))) < least_deg:
+                    return Refined(tuple(views), np.zeros(len(views)), before, after)
             after = noise
             turns = [turn @ _turn(move) for turn, move in zip(turns, moves, strict=True)]
     refined = tuple(
@@ -114,7 +119,7 @@ def _step(
     jacobian = np.zeros((count, 3, places), np.float32)
     for number, (view, planes) in enumerate(zip(views, slopes, strict=True)):
         seen, column, row = visible(view, directions)
-        read = cv2.remap(planes, column, row, cv2.INTER_LINEAR)[:, 0]
+        read = read_at(planes, column, row)
         value[number, seen] = read[:, 0]
         weight[number, seen] = np.where(read[:, 3] > 0.98, area[seen], 0)
         jacobian[number][:, seen] = _by_rotation(view, directions[seen], read[:, 1], read[:, 2])

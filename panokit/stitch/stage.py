@@ -15,15 +15,16 @@ from panokit.panorama import Panorama
 from panokit.provenance import Provenance, Step, digest_of
 from panokit.stitch.level import leveling_from, turn
 from panokit.stitch.mosaic import mosaic
+from panokit.stitch.overlapping import stitch_stored_views
 from panokit.stitch.reduce import Reducer
 from panokit.stitch.settings import VERSION, StitchSettings
 
 
 def stitch(stored: StoredCapture, settings: StitchSettings | None = None) -> Panorama:
-    """Make a panorama of a stored capture: put tiles together, reduce, turn level and north.
+    """Make a panorama of a stored capture: put tiles or views together, turn level and north.
 
     Args:
-        stored: The capture with its tiles, or with its one picture.
+        stored: The capture with its tiles, its overlapping views, or its one picture.
         settings: How; the defaults if not given.
 
     Returns:
@@ -32,29 +33,25 @@ def stitch(stored: StoredCapture, settings: StitchSettings | None = None) -> Pan
         resized and what the leveling rests on.
 
     Raises:
-        ImageError: If a tile or the picture is damaged, or the picture is not 2:1.
+        ImageError: If a tile or the picture is damaged, the picture is not 2:1, or
+            views contradict each other.
         RecordError: If a file is not the one that was stored.
         StorageError: If a file cannot be read.
     """
     settings = settings or StitchSettings()
     if stored.views:
-        raise ImageError(
-            f"The capture {stored.capture.id} is {len(stored.views)} overlapping views. This "
-            "version of panokit stitches tiles and whole panoramas; keep the capture, its record "
-            "holds the pose of each view for a version that can.",
-            reason="views",
-        )
+        return stitch_stored_views(stored, settings)
     if stored.grid is None:
         pixels, valid, found = _single_picture(stored, settings.width_px)
     else:
-        pixels, valid, found = _tiles(stored, settings.width_px)
+        pixels, valid, found = _tiles(stored, settings)
     frame = Frame.CAMERA
     leveling: dict[str, Any] = {"leveled": False}
     if settings.level:
-        plan = leveling_from(stored.capture)
+        plan = leveling_from(stored.capture, pixels, settings.upright)
         pixels, valid = turn(pixels, valid, plan.target_from_camera)
         frame = plan.frame
-        leveling = {"leveled": True, "known": list(plan.known), "assumed": list(plan.assumed)}
+        leveling = plan.to_json()
     step = Step(
         stage="stitch",
         version=VERSION,
@@ -74,13 +71,13 @@ def stitch(stored: StoredCapture, settings: StitchSettings | None = None) -> Pan
 _Found = tuple[NDArray[np.uint8], NDArray[np.bool_] | None, dict[str, Any]]
 
 
-def _tiles(stored: StoredCapture, width_px: int | None) -> _Found:
+def _tiles(stored: StoredCapture, settings: StitchSettings) -> _Found:
     grid = stored.grid
     if grid is None:
         raise ImageError(f"The capture {stored.capture.id} has no tiles.", reason="no-tiles")
     # Checked on an array without memory, before any tile is decoded.
     check_equirectangular(np.broadcast_to(np.uint8(0), (grid.height_px, grid.width_px, 3)))
-    made = mosaic(stored, grid, width_px)
+    made = mosaic(stored, grid, settings.width_px, soften=settings.deblock)
     found: dict[str, Any] = {
         "native_size_px": [grid.width_px, grid.height_px],
         "tiles": made.tiles,

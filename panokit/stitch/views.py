@@ -20,7 +20,13 @@ from panokit.errors import ImageError, UsageError
 from panokit.stitch.agreement import Agreement, check_agreement
 from panokit.stitch.blend import blend_bands, blend_feather, view_weights
 from panokit.stitch.layout import scaled
-from panokit.stitch.overlaps import CLIPPED_CODE, Picture, radius_squared, sample_overlaps, thumbnail
+from panokit.stitch.overlaps import (
+    CLIPPED_CODE,
+    Picture,
+    radius_squared,
+    sample_overlaps,
+    thumbnail,
+)
 from panokit.stitch.photometry import Photometry, fit_photometry
 from panokit.stitch.refine import refine_poses, stage_sizes
 from panokit.stitch.settings import StitchSettings
@@ -30,6 +36,7 @@ _THUMBNAIL_PX, _GRID_PX = 64, 128
 _CLIPPED_WEIGHT = 1e-4
 _EVEN = 1.02
 _MOST_VIEWS = 2000
+_RIGHT_DEG = 0.06
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -79,13 +86,15 @@ def stitch_views(
         if settings.exposure:
             photometry = fit_photometry(samples)
         if _wants_refining(settings.refine, agreement):
-            stages = [
-                ([thumbnail(p, v, size) for p, v in zip(pictures, views, strict=True)], grid, steps)
+            given = views
+            stages = (
+                ([thumbnail(p, v, size) for p, v in zip(pictures, given, strict=True)], grid, steps)
                 for size, grid, steps in stage_sizes()
-            ]
-            refined = refine_poses(views, stages, photometry)
+            )
+            least_deg = _RIGHT_DEG if settings.refine == "auto" else 0.0
+            refined = refine_poses(views, stages, photometry, least_deg=least_deg)
             views = refined.views
-            if settings.exposure:
+            if settings.exposure and refined.moved_deg.any():
                 posed = [replace(s, view=_at(s.view, v)) for s, v in zip(small, views, strict=True)]
                 photometry = fit_photometry(sample_overlaps(posed, _GRID_PX))
     color, valid = _blended(pictures, views, width_px, settings.blend, photometry)
@@ -203,7 +212,7 @@ def _table(gain: NDArray[np.float64]) -> NDArray[np.float32]:
 
 @lru_cache(maxsize=1)
 def _encode_table() -> NDArray[np.uint8]:
-    """sRGB codes of 16-bit linear values: half a code at most is lost in the darkest."""
+    """The sRGB codes of 16-bit linear values: half a code at most is lost in the darkest."""
     return srgb_encode_u8(np.arange(65536, dtype=np.float32) / 65535)
 
 
@@ -245,6 +254,6 @@ def _check(pictures: Sequence[Picture], views: Sequence[View], width_px: int) ->
             np.isfinite(picture).all() and float(picture.min()) >= 0
         ):
             raise ImageError(
-                f"The view {view.name} has values that are negative or not finite. Repair it first.",
+                f"The view {view.name} has negative or infinite values. Repair it first.",
                 reason="not-physical",
             )
