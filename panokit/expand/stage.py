@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.envmap import Anchor, EnvironmentMap
-from panokit.errors import ModelError
+from panokit.envmap import EnvironmentMap
+from panokit.errors import ImageError, ModelError
+from panokit.expand.anchoring import find_scale
 from panokit.expand.baselines import expand_area, expand_reinhard, expand_srgb
 from panokit.expand.features import CONTRAST_WIDTH_PX
-from panokit.expand.network import compose, load_network, predict
+from panokit.expand.lighting import describe_lighting
+from panokit.expand.network import Prediction, compose, load_network, predict
 from panokit.expand.reduce import ReducedPanorama, reduce_panorama
 from panokit.expand.settings import VERSION, ExpandSettings
 from panokit.panorama import Panorama
@@ -24,13 +26,18 @@ ANALYTIC: Mapping[str, Callable[[ReducedPanorama], NDArray[np.float32]]] = {
     "reinhard": expand_reinhard,
     "area": expand_area,
 }
+# A picture with less that is not burnt out says nothing of the scene's light.
+LEAST_CLEAR_SHARE = 0.005
+# Codes up to this are a black picture's noise.
+BLACK_CODE = 2
 
 
 def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> EnvironmentMap:
     """Recover the radiance behind a panorama.
 
-    A radiance of 1.0 is the level at which the picture clipped. Frame and capture stay those
-    of the panorama. The map is never wider than the panorama: one that is narrower than
+    A radiance of 1.0 is the level at which the picture clipped, unless an anchor of the settings
+    makes it absolute. Frame and capture stay those of the panorama. Where nothing is burnt
+    out, nothing is added. The map is never wider than the panorama: one that is narrower than
     `settings.width_px` keeps its own width, and the step in the provenance says so.
 
     Args:
@@ -38,17 +45,30 @@ def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> Enviro
         settings: Of the stage; the defaults if not given.
 
     Raises:
-        ImageError: If the panorama is too small for the network.
+        ImageError: If the panorama is black, or burnt out everywhere, or too small for the
+            network; or if it does not show what the anchor speaks of.
         ModelError: If the model is not known, or its files are damaged.
     """
     settings = settings or ExpandSettings()
     digest = weights_digest(settings.model)
+    _check_lit(panorama.pixels)
     width_px = min(settings.width_px, panorama.width_px)
     # A network looks at details that a narrower map would no longer show.
     working_px = min(max(width_px, CONTRAST_WIDTH_PX), panorama.width_px)
     reduced = reduce_panorama(panorama.pixels, working_px)
+    _check_clear(reduced)
     radiance, found = _expanded(reduced, settings.model)
     radiance = resize_radiance(radiance, width_px)
+    scale = find_scale(radiance, settings, panorama.frame, panorama.capture)
+    if scale.by:
+        radiance = np.asarray(radiance * np.float32(scale.factor), np.float32)
+    lighting = describe_lighting(
+        radiance,
+        panorama.frame,
+        panorama.capture,
+        most_lights=settings.most_lights,
+        harmonics_order=settings.harmonics_order,
+    )
     step = Step(
         stage="expand",
         version=VERSION,
@@ -61,13 +81,15 @@ def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> Enviro
             "burnt_share": round(reduced.burnt_share, 6),
             "energy_before": _rounded(energy(reduced.linear)),
             "energy_after": _rounded(energy(radiance)),
+            "scale": {"factor": float(f"{scale.factor:.6g}"), "by": scale.by or "clip level"},
             **found,
+            "lighting": lighting,
         },
     )
     return EnvironmentMap(
         radiance=radiance,
         frame=panorama.frame,
-        anchor=Anchor.LDR_WHITE,
+        anchor=scale.anchor,
         capture=panorama.capture,
         provenance=panorama.provenance.then(step),
     )
@@ -99,8 +121,35 @@ def _expanded(reduced: ReducedPanorama, model: str) -> tuple[NDArray[np.float32]
     found = {
         "curve_slopes": [round(slope, 4) for slope in prediction.curve_slopes],
         "component_gains": [round(float(gain), 3) for gain in gains],
+        "component_gain_ranges": _gain_ranges(prediction),
     }
     return compose(reduced, prediction), found
+
+
+def _gain_ranges(prediction: Prediction) -> list[list[float]]:
+    """Between which gains the model's two networks put each component: how far to trust it."""
+    shown = prediction.components.energy
+    answers = np.stack([prediction.grid_energy[1:], prediction.component_energy]) / shown
+    return [[round(float(g), 3) for g in sorted(pair)] for pair in answers.T]
+
+
+def _check_lit(pixels: NDArray[np.uint8]) -> None:
+    if int(pixels.max()) <= BLACK_CODE:
+        raise ImageError(
+            "This picture is black: there is no light in it to expand. Take it with a longer "
+            "exposure.",
+            reason="black",
+        )
+
+
+def _check_clear(reduced: ReducedPanorama) -> None:
+    if 1 - reduced.burnt_share < LEAST_CLEAR_SHARE:
+        raise ImageError(
+            f"{reduced.burnt_share:.1%} of this picture are burnt out: nothing in it tells how "
+            "much light there was. Take it with a shorter exposure.",
+            reason="burnt-out",
+            values={"burnt_share": round(reduced.burnt_share, 6)},
+        )
 
 
 def _rounded(values: NDArray[np.float64]) -> list[float]:

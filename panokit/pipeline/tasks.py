@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.engine import Outcome, attempt
+from panokit.envmap import EnvironmentMap
 from panokit.errors import ImageError, UsageError
 from panokit.expand import expand
+from panokit.expand.compare import compare_methods, comparison_picture
 from panokit.expand.settings import VERSION as EXPAND_VERSION
 from panokit.expand.settings import ExpandSettings
 from panokit.expand.stage import weights_digest
@@ -23,18 +25,22 @@ from panokit.inpaint import inpaint
 from panokit.inpaint.settings import VERSION as INPAINT_VERSION
 from panokit.inpaint.settings import InpaintSettings
 from panokit.io.captures import RECORD, read_capture
-from panokit.io.files import read_json, sha256_of_file
+from panokit.io.files import read_bytes, read_json, sha256_of_file, write_bytes
+from panokit.io.images import encode_png
 from panokit.io.pictures import (
+    HDR_SUFFIXES,
+    read_environment_map,
     read_mask,
     read_panorama,
     record_path,
     write_environment_map,
     write_panorama,
 )
+from panokit.panorama import Panorama
 from panokit.provenance import digest_of
 from panokit.records import Receipt, stage_key
 from panokit.settings import Settings
-from panokit.stitch import stitch
+from panokit.stitch import read_view_set, stitch, stitch_view_set
 from panokit.stitch.settings import VERSION as STITCH_VERSION
 from panokit.stitch.settings import StitchSettings
 
@@ -46,7 +52,7 @@ class StageTask:
     Attributes:
         stage: "stitch", "inpaint" or "expand".
         item: The item's id.
-        source: The capture's folder, or the picture.
+        source: The capture's folder, the file of views, or the picture.
         target: The picture to write.
         settings: The stage's settings.
         mask: A picture of what to fill, for inpaint, or None.
@@ -69,6 +75,8 @@ class StageTask:
         version, weights = _VERSIONS[self.stage], ""
         if isinstance(self.settings, ExpandSettings):
             weights = weights_digest(self.settings.model)
+        elif isinstance(self.settings, InpaintSettings) and self.settings.network is not None:
+            weights = sha256_of_file(self.settings.network)
         return stage_key(self.stage, version, self.settings.digest, self.inputs(), weights)
 
 
@@ -93,28 +101,69 @@ def _run(task: StageTask) -> Receipt:
 
 def _stitch(task: StageTask, key: str) -> Mapping[str, Any]:
     settings = _of(StitchSettings, task)
+    if task.source.is_file():
+        return _stitch_view_set(task, settings, key)
     panorama = stitch(read_capture(task.source), settings)
     provenance = panorama.provenance.with_inputs(task.inputs())
     write_panorama(panorama.with_changes(provenance=provenance), task.target, key=key)
     return provenance.steps[-1].values
 
 
+def _stitch_view_set(task: StageTask, settings: StitchSettings, key: str) -> Mapping[str, Any]:
+    made = stitch_view_set(read_view_set(task.source), settings)
+    provenance = made.provenance.with_inputs(task.inputs())
+    if isinstance(made, EnvironmentMap):
+        write_environment_map(made.with_changes(provenance=provenance), task.target, key=key)
+    else:
+        write_panorama(made.with_changes(provenance=provenance), task.target, key=key)
+    return provenance.steps[-1].values
+
+
 def _inpaint(task: StageTask, key: str) -> Mapping[str, Any]:
     settings = _of(InpaintSettings, task)
+    if task.source.suffix.lower() in HDR_SUFFIXES:
+        envmap = read_environment_map(task.source)
+        mask = None if task.mask is None else _fitting_mask(task.mask, envmap.radiance.shape[:2])
+        whole = inpaint(envmap, settings, mask)
+        provenance = whole.provenance.with_inputs(task.inputs())
+        write_environment_map(whole.with_changes(provenance=provenance), task.target, key=key)
+        return provenance.steps[-1].values
     panorama = read_panorama(task.source)
     mask = None if task.mask is None else _fitting_mask(task.mask, panorama.pixels.shape[:2])
     filled = inpaint(panorama, settings, mask)
     provenance = filled.provenance.with_inputs(task.inputs())
-    write_panorama(filled.with_changes(provenance=provenance), task.target, key=key)
+    # Where nothing was filled nothing is encoded anew: a JPEG gets worse each time.
+    same = filled.pixels is panorama.pixels and task.source.suffix.lower() in (".jpg", ".jpeg")
+    write_panorama(
+        filled.with_changes(provenance=provenance),
+        task.target,
+        key=key,
+        encoded=read_bytes(task.source) if same else None,
+    )
     return provenance.steps[-1].values
 
 
 def _expand(task: StageTask, key: str) -> Mapping[str, Any]:
     settings = _of(ExpandSettings, task)
-    envmap = expand(read_panorama(task.source), settings)
+    panorama = read_panorama(task.source)
+    envmap = expand(panorama, settings)
+    if settings.compare:
+        _write_comparison(panorama, settings, envmap, task.target)
     provenance = envmap.provenance.with_inputs(task.inputs())
     write_environment_map(envmap.with_changes(provenance=provenance), task.target, key=key)
     return provenance.steps[-1].values
+
+
+def _write_comparison(
+    panorama: Panorama, settings: ExpandSettings, envmap: EnvironmentMap, target: Path
+) -> None:
+    """The analytic methods' maps and a picture of all, in NAME.compare; before the record."""
+    maps = compare_methods(panorama, settings, envmap)
+    folder = target.with_suffix(".compare")
+    for name, other in maps.items():
+        if name != settings.model:
+            write_environment_map(other, folder / f"{name}.exr")
+    write_bytes(folder / "preview.png", encode_png(comparison_picture(maps)))
 
 
 _WORK: dict[str, Callable[[StageTask, str], Mapping[str, Any]]] = {
@@ -136,6 +185,8 @@ def _source_digest(source: Path) -> str:
     if source.is_dir():
         record = read_json(source / RECORD)
         return digest_of([record.get("capture"), record.get("grid"), record.get("files")])
+    if source.suffix.lower() == ".json":
+        return digest_of([sha256_of_file(source), read_view_set(source).digests()])
     record_file = record_path(source)
     if record_file.exists():
         record = read_json(record_file)

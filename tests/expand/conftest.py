@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from panokit.color.camera import CAMERA_A, photograph
+from panokit.expand.network import Answer
 
 
 def lamp_scene(height: int = 128) -> np.ndarray:
@@ -38,13 +39,15 @@ class KnownNetwork:
     def set_gains(self, grid: float, component: float) -> None:
         self._grid, self._component = np.log(grid), np.log(component)
 
-    def grid_gain(self, grid):
+    def ask(self, grid, features):
         # It varies with the picture, but with nothing that a roll changes.
         gain = self._grid + 0.1 * (grid[0] - grid[0].mean())
-        return np.stack([gain] * 3).astype(np.float32), self.slopes
-
-    def component_gain(self, features):
-        return np.full(len(features), self._component, np.float32)
+        return Answer(
+            log_gain=np.stack([gain] * 3).astype(np.float32),
+            slopes=self.slopes,
+            component_gain=np.full(len(features), self._component, np.float32),
+            sun=np.zeros(len(features), np.float32),
+        )
 
 
 @pytest.fixture

@@ -1,0 +1,186 @@
+"""What a lighting artist asks of a map, as figures for its record: lights, sun, harmonics.
+
+The sun is told in two ways. Where the capture says when and where it was taken and the map's
+north is known, it is the light within 10 degrees of where the sun then stood ("ephemeris").
+Elsewhere it is a small light that dominates, above the horizon ("appearance"); a bare lamp
+can look the same.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.capture import Capture, TimePrecision
+from panokit.color import luminance
+from panokit.frames import Frame, angle_between, azimuth_elevation_from_direction
+from panokit.sphere import (
+    Light,
+    LightList,
+    equirect_directions,
+    find_lights,
+    project_harmonics,
+    resize_radiance,
+)
+from panokit.sun import SUN_RADIUS, sun_direction
+
+_NEAR_SUN_DEG = 10.0
+# A sun in its glare is drawn no wider than this, and its shadows are plain.
+_WIDEST_SUN_DEG = 6.0
+_LEAST_KEY_TO_FILL = 0.5
+_LOWEST_DEG = 1.0
+_DIGITS = 6
+_SKY_WIDTH_PX = 256
+# Medians above the horizon: over the ground's luminance, and blue over red.
+_LEAST_SKY_TO_GROUND = 0.5
+_LEAST_BLUE_TO_RED = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sun:
+    """The sun as an analytic light; the map holds its light, too.
+
+    Attributes:
+        direction: (3,) toward it, in the map's frame.
+        irradiance: (3,) RGB that it gives to a surface that faces it, in the map's unit x sr.
+        evidence: "ephemeris" or "appearance", see the module.
+    """
+
+    direction: NDArray[np.float64]
+    irradiance: NDArray[np.float64]
+    evidence: str
+
+    def to_json(self) -> dict[str, Any]:
+        """A dictionary for the record; the radius is the true sun's, not that of its glare."""
+        return {
+            **_placed(self.direction),
+            "angular_radius_deg": round(float(np.degrees(SUN_RADIUS)), 4),
+            "irradiance_rgb": _rounded(self.irradiance),
+            "evidence": self.evidence,
+            "also_in_map": True,
+        }
+
+
+def find_sun(
+    radiance: NDArray[np.float32], lights: LightList, frame: Frame, capture: Capture | None
+) -> Sun | None:
+    """The sun among the lights of a map, or None where there is none to be sure of.
+
+    Args:
+        radiance: (H, W, 3), linear.
+        lights: Of the map.
+        frame: Of the map; the sky is up only where it is level.
+        capture: Of the panorama, which may know time and place.
+    """
+    if frame is Frame.CAMERA:
+        return None
+    known = _known_direction(frame, capture)
+    if known is not None:
+        near = [
+            light for light in lights.lights if _degrees(light.direction, known) < _NEAR_SUN_DEG
+        ]
+        if not near or known[1] <= 0:
+            return None
+        return Sun(direction=known, irradiance=near[0].irradiance, evidence="ephemeris")
+    light = lights.primary
+    if light is None or not _looks_like_sun(light, lights) or not _is_day(radiance, lights):
+        return None
+    return Sun(direction=light.direction, irradiance=light.irradiance, evidence="appearance")
+
+
+def describe_lighting(
+    radiance: NDArray[np.float32],
+    frame: Frame,
+    capture: Capture | None,
+    *,
+    most_lights: int,
+    harmonics_order: int,
+) -> Mapping[str, Any]:
+    """Lights, sun and harmonics of a map, for its record.
+
+    Args:
+        radiance: (H, W, 3), linear.
+        frame: Of the map.
+        capture: Of the panorama, or None.
+        most_lights: How many lights are listed.
+        harmonics_order: Highest degree.
+    """
+    lights = find_lights(radiance, most=max(most_lights, 1))
+    sun = find_sun(radiance, lights, frame, capture)
+    primary = lights.primary
+    return {
+        "lights": [_light_json(light, lights) for light in lights.lights[:most_lights]],
+        "ambient_rgb": _rounded(lights.ambient),
+        "key_to_fill": _finite(lights.key_to_fill),
+        "has_dominant_light": primary is not None,
+        "sun": sun and sun.to_json(),
+        "harmonics": {
+            "order": harmonics_order,
+            "basis": "real, orthonormal, +Y up, index l (l + 1) + m; see docs/ideas/harmonics.md",
+            "rgb": [_rounded(row) for row in project_harmonics(radiance, harmonics_order)],
+        },
+    }
+
+
+def _known_direction(frame: Frame, capture: Capture | None) -> NDArray[np.float64] | None:
+    if frame is not Frame.WORLD or capture is None or capture.time is None:
+        return None
+    if capture.time_precision is not TimePrecision.SECOND:
+        return None
+    if capture.latitude_deg is None or capture.longitude_deg is None:
+        return None
+    return sun_direction(capture.latitude_deg, capture.longitude_deg, capture.time)
+
+
+def _looks_like_sun(light: Light, lights: LightList) -> bool:
+    return (
+        np.degrees(light.angular_radius) <= _WIDEST_SUN_DEG
+        and np.degrees(np.arcsin(np.clip(light.direction[1], -1, 1))) >= _LOWEST_DEG
+        and lights.key_to_fill >= _LEAST_KEY_TO_FILL
+    )
+
+
+def _is_day(radiance: NDArray[np.float32], lights: LightList) -> bool:
+    """Whether what is above the horizon, lights aside, is a lit sky and no night or ceiling."""
+    width = min(radiance.shape[1], _SKY_WIDTH_PX)
+    small = resize_radiance(radiance, width)
+    light = luminance(small)
+    up = equirect_directions(width, width // 2)[..., 1]
+    sky, ground = small[up > 0.1], light[up < -0.1]
+    blue = np.median(sky[:, 2] / np.maximum(sky[:, 0], 1e-6))
+    is_lit = np.median(luminance(sky)) >= _LEAST_SKY_TO_GROUND * np.median(ground)
+    return bool(is_lit and blue >= _LEAST_BLUE_TO_RED)
+
+
+def _light_json(light: Light, lights: LightList) -> dict[str, Any]:
+    whole = float(luminance(lights.energy))
+    return {
+        **_placed(light.direction),
+        "angular_radius_deg": round(float(np.degrees(light.angular_radius)), 3),
+        "energy_rgb": _rounded(light.energy),
+        "irradiance_rgb": _rounded(light.irradiance),
+        "energy_share": round(light.luminance / max(whole, 1e-300), 4),
+    }
+
+
+def _placed(direction: NDArray[np.float64]) -> dict[str, Any]:
+    azimuth, elevation = azimuth_elevation_from_direction(direction)
+    return {
+        "direction": _rounded(direction),
+        "azimuth_deg": round(float(np.degrees(azimuth)), 2),
+        "elevation_deg": round(float(np.degrees(elevation)), 2),
+    }
+
+
+def _degrees(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    return float(np.degrees(angle_between(a, b)))
+
+
+def _finite(value: float) -> float | None:
+    return round(value, 4) if np.isfinite(value) else None
+
+
+def _rounded(values: NDArray[np.floating]) -> list[float]:
+    return [float(f"{float(value):.{_DIGITS}g}") for value in values]
