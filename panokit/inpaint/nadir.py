@@ -63,16 +63,22 @@ def find_nadir_cap(pixels: NDArray[np.uint8], down: NDArray[np.floating]) -> Nad
     sectors = rows.reshape(len(rows), _SECTORS, -1, 3)
     found = [
         _ring(_color_change(sectors), "color", _COLOR_AGREEMENT),
-        # The loss shows once the window holds little of what is sharp: a little inside the edge.
-        _ring(
-            _sharpness_loss(sectors),
-            "blur",
-            _SHARPNESS_AGREEMENT,
-            shift_deg=_SHARPNESS_RATIO * _SHARPNESS_WINDOW_DEG,
-        ),
+        _blur_ring(sectors),
     ]
     caps = [cap for cap in found if cap is not None]
     return max(caps, key=lambda cap: (cap.confidence, cap.cue == "color"), default=None)
+
+
+def find_blurred_ground(pixels: NDArray[np.uint8], down: NDArray[np.floating]) -> NadirCap | None:
+    """Ground that was blurred far beyond any cap, or None: how some providers hide their car.
+
+    Args:
+        pixels: (H, W, 3) uint8, equirectangular.
+        down: (3,), the direction below the camera.
+    """
+    rows = unrolled(pixels, down)
+    blur = _blur_ring(rows.reshape(len(rows), _SECTORS, -1, 3))
+    return None if blur is None or blur.is_a_hole else blur
 
 
 def _color_change(sectors: NDArray[np.float32]) -> NDArray[np.float64]:
@@ -98,6 +104,12 @@ def _sharpness_loss(sectors: NDArray[np.float32]) -> NDArray[np.float64]:
     so_far = np.cumsum(sharpness, axis=0) / np.arange(1, len(sharpness) + 1)[:, None]
     lost = (outside > _SHARP) & (inside < _SHARPNESS_RATIO * outside)
     return np.asarray((lost & (so_far < _SHARPNESS_RATIO * outside)).mean(axis=1))
+
+
+def _blur_ring(sectors: NDArray[np.float32]) -> NadirCap | None:
+    # The loss shows once the window holds little of what is sharp: a little inside the edge.
+    shift_deg = _SHARPNESS_RATIO * _SHARPNESS_WINDOW_DEG
+    return _ring(_sharpness_loss(sectors), "blur", _SHARPNESS_AGREEMENT, shift_deg=shift_deg)
 
 
 def _window_means(

@@ -1,12 +1,13 @@
 """The settings of `inpaint`."""
 
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from panokit.settings import Settings
 
-VERSION = "1"
+VERSION = "2"
 
 
 class InpaintSettings(Settings):
@@ -16,9 +17,25 @@ class InpaintSettings(Settings):
     """Fill the cap of this angular radius below the camera; "auto" fills one only where a cap
     is plainly there, "none" never does."""
 
-    method: Literal["texture", "smooth"] = "texture"
+    fill_black: bool = True
+    """Fill large black rectangles: tiles that never came, bars of a grid of the wrong size."""
+
+    fill_blurred_ground: bool = False
+    """Fill ground that was blurred far beyond a cap, as in much street imagery; without, it is
+    only reported."""
+
+    watermark_tile_px: Annotated[int, Field(ge=64, le=4096)] | None = None
+    """Look for a mark that is repeated at the same place in every tile of this size."""
+
+    method: Literal[
+        "texture", "smooth", "telea", "navier-stokes", "shift-map", "fsr", "network"
+    ] = "texture"
     """What holes with detail around them are filled with: copies of that detail, or a smooth
-    surface. Holes in a smooth sky and tiny ones are smooth either way."""
+    surface; then OpenCV's four; or a network of yours. With "texture", holes in a smooth sky
+    and tiny ones are smooth all the same."""
+
+    network: Path | None = None
+    """An inpainting network as an .onnx file, for the method "network"."""
 
     rim_deg: float = Field(default=0.6, gt=0, le=5)
     """Width of the band outside a hole in which the filling fades into the picture."""
@@ -28,3 +45,9 @@ class InpaintSettings(Settings):
     def _none_as_text(cls, nadir_deg: Any) -> Any:
         # Neither TOML nor a command line can say None.
         return None if nadir_deg == "none" else nadir_deg
+
+    @model_validator(mode="after")
+    def _network_and_its_method(self) -> "InpaintSettings":
+        if (self.method == "network") != (self.network is not None):
+            raise ValueError("method network and a network file go together: give both or neither")
+        return self

@@ -1,9 +1,12 @@
 """Ground: the hole is covered with copies of what is around, joined where it shows least.
 
-OpenCV's shift map finds, on a small version of the view, from where each pixel of the hole
-is best copied (He & Sun 2012, "Statistics of Patch Offsets for Image Completion"). Its copies
-are exact, so a few fractions of a gray level can carry each pixel's own position through it.
-With these positions the copying is done again at the full size, with sharp results.
+A few shifts of the picture are found that continue it into the hole (`offsets`), and seams
+between them where they agree (`labeling`), both on a small version of the view. The copying
+is then done at full size, with every shift adjusted to the pixel, and the steps in brightness
+that are left between copies are taken out (`seams`).
+
+All of it works on float values on a scale of gray levels, so it is the same for a photograph
+and for the logarithm of a light probe.
 """
 
 from typing import Any
@@ -13,51 +16,117 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from panokit.inpaint.adjust import adjusted_offsets
+from panokit.inpaint.copies import follow, make_copies, make_features
+from panokit.inpaint.labeling import best_labels
 from panokit.inpaint.membrane import membrane
+from panokit.inpaint.offsets import candidate_offsets
 from panokit.inpaint.seams import seam_correction
+from panokit.inpaint.sources import highlights, strangeness, uniqueness
 
-_COARSE_PX = 224
-_SEED = 20260101
+# The small versions show the hole about this large, one after the other.
+_HOLE_PX = (28, 84)
+_LARGEST_PX = 288
+_BAND_PX = 6
 _LEAST_KNOWN = 0.1
-_HIGHLIGHT = 240
-_MOST_HIGHLIGHTS = 0.08
-# Two channels carry the position as a fraction of half a gray level, centered on zero.
-_POSITION_SCALE = 1 / 1024
+# In gray levels, per pixel that looks like nothing around the hole, or is the only one so.
+_STRANGE = 1.0
+_UNIQUE = 0.4
 
 
-def texture(picture: NDArray[np.uint8], known: NDArray[np.bool_]) -> NDArray[np.float32] | None:
+def texture(picture: NDArray[np.float32], known: NDArray[np.bool_]) -> NDArray[np.float32] | None:
     """The view with its unknown pixels replaced by copies of known ones.
 
-    Lamps and glints are smoothed away where they would come along: to a light probe a copied
-    highlight is a light that was never there.
+    Lamps and glints are never copied: to a light probe a copied highlight is a light that was
+    never there.
 
     Args:
-        picture: (N, N, 3) uint8, flat.
+        picture: (N, N, 3) float32, flat, in gray levels; values where not known are ignored.
         known: (N, N) bool.
 
     Returns:
-        (N, N, 3) float32, 0 to 255; None if too little is known to copy from.
+        (N, N, 3) float32; None if too little is known to copy from.
     """
     size = picture.shape[0]
-    coarse_px = min(size, _COARSE_PX)
-    coarse = _reduced(picture, coarse_px)
-    coarse_known = _reduced(known.astype(np.float32), coarse_px) > 0.999
-    if coarse_known.mean() < _LEAST_KNOWN:
-        return None
-    column, row = _copied_from(coarse.astype(np.uint8), coarse_known)
-    correction = seam_correction(coarse.astype(np.float32), coarse_known, column, row)
-    light = np.asarray(cv2.resize(correction, (size, size), interpolation=cv2.INTER_LINEAR))
     box = _bounds(~known)
-    filled = picture.astype(np.float32)
-    # A small pixel's copy may reach over its edge into a hole, where nothing odd may be then.
+    extent = max(box[0].stop - box[0].start, box[1].stop - box[1].start)
+    levels = [_level_px(hole_px, size, extent) for hole_px in _HOLE_PX]
+    filled = picture.copy()
+    # What is copied may reach over its edge into the hole, where nothing odd may be then.
     filled[box] = membrane(filled[box], known[box])
-    copied = _copy(
-        np.dstack([filled, np.float32(255) * _highlights(picture, known)]), column, row, box
+    guide: NDArray[np.float32] | None = None
+    tried: list[tuple[int, int]] = []
+    shifts: NDArray[np.int32] | None = None
+    for px in levels:
+        coarse = _reduced(filled, px)
+        coarse_known = _reduced(known.astype(np.float32), px) > 0.999
+        if coarse_known.mean() < _LEAST_KNOWN:
+            return None
+        shifts = _shifts(coarse, coarse_known, guide, tried)
+        if shifts is None:
+            return None
+        row, column = np.mgrid[:px, :px] + np.moveaxis(shifts, -1, 0)
+        guide = coarse[row, column]
+        pieces = np.unique(shifts[~coarse_known], axis=0)
+        tried = [(int(d), int(r)) for d, r in np.rint(pieces * (levels[-1] / px)).astype(int)]
+    correction = seam_correction(
+        coarse, coarse_known, column.astype(np.int32), row.astype(np.int32)
     )
-    patch = np.clip(copied[..., :3] + light[box], 0, 255)
-    patch = np.where(known[box][..., None], filled[box], patch).astype(np.float32)
-    filled[box] = membrane(patch, known[box] | (copied[..., 3] < 1))
+    light = np.asarray(cv2.resize(correction, (size, size), interpolation=cv2.INTER_LINEAR))
+    if shifts is None:
+        return None
+    full = adjusted_offsets(filled, known, shifts, ~coarse_known)
+    patch = _copy(filled, full, ~coarse_known, box) + light[box]
+    filled[box] = np.where(known[box][..., None], picture[box], patch)
     return filled
+
+
+def _level_px(hole_px: int, size: int, extent: int) -> int:
+    """The size of the small view in which the hole is about so large."""
+    return int(np.clip(hole_px / max(extent, 1) * size, min(size, 24), min(size, _LARGEST_PX)))
+
+
+def _shifts(
+    coarse: NDArray[np.float32],
+    known: NDArray[np.bool_],
+    guide: NDArray[np.float32] | None,
+    tried: list[tuple[int, int]],
+) -> NDArray[np.int32] | None:
+    """From where each pixel of the small view is copied, (n, n, 2) rows and columns away.
+
+    Args:
+        coarse: (n, n, 3) float32, a membrane where it is not known.
+        known: (n, n) bool.
+        guide: A still smaller view already filled, or None.
+        tried: Shifts to try besides, in pixels of this view.
+    """
+    hole = ~known
+    source = known & ~highlights(coarse, known)
+    features = make_features(coarse, hole)
+    offsets = tried + candidate_offsets(features, hole, source, _BAND_PX)
+    if not offsets:
+        return None
+    number = np.full(hole.shape, -1)
+    number[hole] = np.arange(hole.sum())
+    odd = _STRANGE * strangeness(coarse, known, hole) + _UNIQUE * uniqueness(
+        features, known, hole, offsets
+    )
+    copies = make_copies(features, known, source, odd, number, offsets)
+    if guide is not None:
+        follow(copies, coarse, guide, offsets)
+    labels = best_labels(copies)
+    if (labels < 0).all():
+        return None
+    shifts = np.zeros((*hole.shape, 2), np.int32)
+    shifts[hole] = np.asarray(offsets, np.int32)[labels]
+    served = np.zeros(hole.shape, np.bool_)
+    served[hole] = labels >= 0
+    # Where nothing fits, as the nearest pixel for which something does.
+    near = distance_transform_edt(~served, return_distances=False, return_indices=True)
+    shifts[hole] = shifts[near[0], near[1]][hole]
+    place = np.moveaxis(np.mgrid[: hole.shape[0], : hole.shape[1]], 0, -1)
+    last = np.array(hole.shape) - 1
+    return np.asarray(np.clip(place + shifts, 0, last) - place, np.int32)
 
 
 def _bounds(mask: NDArray[np.bool_]) -> tuple[slice, slice]:
@@ -72,51 +141,10 @@ def _reduced(values: NDArray[Any], size_px: int) -> NDArray[Any]:
     return np.asarray(cv2.resize(values, (size_px, size_px), interpolation=cv2.INTER_AREA))
 
 
-def _highlights(picture: NDArray[np.uint8], known: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Bright spots with their glow, (N, N) bool; none where much of the view is bright.
-
-    Single bright pebbles are no lamps.
-    """
-    bright = (picture.min(axis=2) >= _HIGHLIGHT) & known
-    if bright.sum() > _MOST_HIGHLIGHTS * known.sum():
-        # That is a white wall or an overcast sky, not a lamp.
-        return np.zeros_like(bright)
-    speck = np.ones((max(1, len(picture) // 200),) * 2)
-    glow = np.ones((2 * max(1, len(picture) // 40) + 1,) * 2)
-    lamps = cv2.erode(bright.astype(np.uint8), speck)
-    return np.asarray(cv2.dilate(lamps, glow) > 0)
-
-
-def _copied_from(
-    coarse: NDArray[np.uint8], known: NDArray[np.bool_]
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """The column and row that each pixel of the small view is copied from."""
-    size = len(coarse)
-    # Lab, because the shift map compares channels as if all counted the same.
-    coded = cv2.cvtColor(coarse, cv2.COLOR_RGB2LAB).astype(np.float32)
-    row, column = np.mgrid[:size, :size]
-    coded[..., 1] += (column - size // 2) * _POSITION_SCALE
-    coded[..., 2] += (row - size // 2) * _POSITION_SCALE
-    coded[~known] = 0
-    result = np.zeros_like(coded)
-    # Its search is randomized; the same seed gives the same filling.
-    cv2.setRNGSeed(_SEED)
-    cv2.xphoto.inpaint(
-        coded, np.where(known, 255, 0).astype(np.uint8), result, cv2.xphoto.INPAINT_SHIFTMAP
-    )
-    fraction = result[..., 1:] - np.rint(result[..., 1:])
-    position = np.rint(fraction / _POSITION_SCALE).astype(np.int32) + size // 2
-    position = np.clip(position, 0, size - 1)
-    return (
-        np.where(known, column, position[..., 0]).astype(np.int32),
-        np.where(known, row, position[..., 1]).astype(np.int32),
-    )
-
-
 def _copy(
     picture: NDArray[np.float32],
-    column: NDArray[np.int32],
-    row: NDArray[np.int32],
+    shifts: NDArray[np.int32],
+    hole: NDArray[np.bool_],
     box: tuple[slice, slice],
 ) -> NDArray[np.float32]:
     """Copy a box of the view at full size, with the shifts found at the small one.
@@ -124,18 +152,15 @@ def _copy(
     Each pixel blends the copies that the four nearest small pixels ask for: inside a patch
     they agree and the copy is exact, where patches meet they fade into one another.
     """
-    scale = len(picture) / len(column)
-    own_row, own_column = np.mgrid[: len(row), : len(column)]
-    stays = (column == own_column) & (row == own_row)
+    scale = len(picture) / len(shifts)
     # A pixel at the rim has neighbors that stay, and must not stay with them.
-    to_row, to_column = distance_transform_edt(stays, return_distances=False, return_indices=True)
-    # Whole pixels, so that nothing is softened on the way.
-    shift_x = np.rint((column - own_column) * scale).astype(np.float32)[to_row, to_column]
-    shift_y = np.rint((row - own_row) * scale).astype(np.float32)[to_row, to_column]
+    near = distance_transform_edt(~hole, return_distances=False, return_indices=True)
+    shift_y = shifts[near[0], near[1], 0].astype(np.float32)
+    shift_x = shifts[near[0], near[1], 1].astype(np.float32)
     full_row, full_column = np.mgrid[box].astype(np.float32)
     total = np.zeros((*full_row.shape, picture.shape[2]), np.float32)
-    for at_row, weight_y in _nearest_two(box[0], scale, len(row)):
-        for at_column, weight_x in _nearest_two(box[1], scale, len(column)):
+    for at_row, weight_y in _nearest_two(box[0], scale, len(shifts)):
+        for at_column, weight_x in _nearest_two(box[1], scale, len(shifts)):
             chosen = np.ix_(at_row, at_column)
             copy = cv2.remap(
                 picture,

@@ -116,7 +116,14 @@ def _place(
     return full, valid
 
 
-def write_panorama(panorama: Panorama, path: Path, *, quality: int = 95, key: str = "") -> None:
+def write_panorama(
+    panorama: Panorama,
+    path: Path,
+    *,
+    quality: int = 95,
+    key: str = "",
+    encoded: bytes | None = None,
+) -> None:
     """Write a panorama as JPEG with photo-sphere tags, its mask if it has one, then its record.
 
     Args:
@@ -124,6 +131,7 @@ def write_panorama(panorama: Panorama, path: Path, *, quality: int = 95, key: st
         path: NAME.jpg; NAME.mask.png and NAME.json go beside it.
         quality: Of the JPEG.
         key: What the picture was made from and with; see `panokit.records.stage_key`.
+        encoded: A JPEG of just these pixels, to be written as it is.
     """
     path = Path(path)
     heading = 0.0 if panorama.frame is Frame.WORLD else panorama.capture.heading_deg
@@ -134,7 +142,7 @@ def write_panorama(panorama: Panorama, path: Path, *, quality: int = 95, key: st
         heading_deg=heading,
         leveled=panorama.frame is not Frame.CAMERA,
     )
-    write_bytes(path, encode_jpeg(panorama.pixels, quality=quality, xmp=xmp))
+    write_bytes(path, encoded or encode_jpeg(panorama.pixels, quality=quality, xmp=xmp))
     files = {path.name: file_entry(path)}
     if panorama.valid is not None:
         mask = mask_path(path)
