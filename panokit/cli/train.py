@@ -28,7 +28,8 @@ def train(
     Parameters
     ----------
     recipe
-        The recipe, for instance models/expand-1/recipe.toml.
+        The recipe, for instance models/expand-1/recipe.toml; one called expandnet.toml trains
+        ExpandNet's architecture as a baseline, see docs/commands/evaluate.md.
     probes
         A folder of HDR probes with its manifest.csv.
     work
@@ -47,7 +48,11 @@ def train(
     from panokit.train import stage
 
     console = Console()
-    if cross_validate:
+    if recipe.name == "expandnet.toml":
+        from panokit.train.expandnet import train_expandnet
+
+        console.result(f"Written: {train_expandnet(recipe, probes, work, own_right=own_right)}")
+    elif cross_validate:
         rows = stage.cross_validate(
             recipe,
             probes,

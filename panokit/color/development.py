@@ -101,7 +101,7 @@ def add_noise(
     counted = np.minimum(light, np.float32(4))
     variance = np.float32(development.shot_noise**2) * counted
     deviation = np.sqrt(variance + np.float32(development.read_noise**2))
-    return np.maximum(light + deviation * field, 0)
+    return np.asarray(np.maximum(light + deviation * field, 0), np.float32)
 
 
 def tone_locally(light: NDArray[np.float32], strength: float) -> NDArray[np.float32]:

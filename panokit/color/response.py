@@ -103,7 +103,7 @@ def encode(linear: NDArray[np.floating[Any]], response: Response) -> NDArray[np.
 def decode(encoded: NDArray[np.floating[Any]], response: Response) -> NDArray[np.float32]:
     """The light behind encoded values in [0, 1], by a fine table; float32, any shape."""
     light = np.linspace(0, 1, _TABLE, dtype=np.float32) ** 3
-    return np.interp(encoded, encode(light, response), light).astype(np.float32)
+    return np.asarray(np.interp(encoded, encode(light, response), light), np.float32)
 
 
 def sigmoid_encode(linear: NDArray[np.float32], n: float, s: float) -> NDArray[np.float32]:

@@ -52,9 +52,10 @@ class OnnxPredictor:
         shape = self.session.input_shapes[0]
         is_last = shape[-1] == 3 and shape[1] != 3
         height, width = shape[1:3] if is_last else shape[2:4]
-        picture = pixels.astype(np.float32) / 255
+        picture: NDArray[np.float32] = pixels.astype(np.float32) / np.float32(255)
         if height is not None and width is not None:
-            picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
+            resized = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
+            picture = np.asarray(resized, np.float32)
         batch = picture[None] if is_last else picture.transpose(2, 0, 1)[None]
         answer = self.session.run({self.session.inputs[0]: batch})[self.session.outputs[0]]
         if answer.shape != batch.shape:

@@ -2,8 +2,8 @@
 
 The sun is told in two ways. Where the capture says when and where it was taken and the map's
 north is known, it is the light within 10 degrees of where the sun then stood ("ephemeris").
-Elsewhere it is a small light that dominates, above the horizon ("appearance"); a bare lamp
-can look the same.
+Elsewhere it is a small light that dominates under a lit blue sky ("appearance"). Suns
+behind leaves or haze are missed that way, on purpose: a lamp taken for the sun is worse.
 """
 
 from collections.abc import Mapping
@@ -23,19 +23,21 @@ from panokit.sphere import (
     find_lights,
     project_harmonics,
     resize_radiance,
+    row_solid_angles,
 )
 from panokit.sun import SUN_RADIUS, sun_direction
 
 _NEAR_SUN_DEG = 10.0
-# A sun in its glare is drawn no wider than this, and its shadows are plain.
-_WIDEST_SUN_DEG = 6.0
+# Overhead there is a hole in a roof more often than a sun.
+_LOWEST_DEG, _HIGHEST_DEG = 1.0, 80.0
 _LEAST_KEY_TO_FILL = 0.5
-_LOWEST_DEG = 1.0
+# This share of a sun's light, glare and all, comes from so near its middle.
+_CORE_DEG, _LEAST_CORE = 6.0, 0.1
 _DIGITS = 6
 _SKY_WIDTH_PX = 256
 # Medians above the horizon: over the ground's luminance, and blue over red.
 _LEAST_SKY_TO_GROUND = 0.5
-_LEAST_BLUE_TO_RED = 1.0
+_LEAST_BLUE_TO_RED = 1.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -85,7 +87,9 @@ def find_sun(
             return None
         return Sun(direction=known, irradiance=near[0].irradiance, evidence="ephemeris")
     light = lights.primary
-    if light is None or not _looks_like_sun(light, lights) or not _is_day(radiance, lights):
+    if light is None or not _looks_like_sun(light, lights):
+        return None
+    if not (_is_small(radiance, light) and _is_day(radiance)):
         return None
     return Sun(direction=light.direction, irradiance=light.irradiance, evidence="appearance")
 
@@ -135,15 +139,22 @@ def _known_direction(frame: Frame, capture: Capture | None) -> NDArray[np.float6
 
 
 def _looks_like_sun(light: Light, lights: LightList) -> bool:
-    return (
-        np.degrees(light.angular_radius) <= _WIDEST_SUN_DEG
-        and np.degrees(np.arcsin(np.clip(light.direction[1], -1, 1))) >= _LOWEST_DEG
-        and lights.key_to_fill >= _LEAST_KEY_TO_FILL
+    elevation = np.degrees(np.arcsin(np.clip(light.direction[1], -1, 1)))
+    return bool(
+        _LOWEST_DEG <= elevation <= _HIGHEST_DEG and lights.key_to_fill >= _LEAST_KEY_TO_FILL
     )
 
 
-def _is_day(radiance: NDArray[np.float32], lights: LightList) -> bool:
-    """Whether what is above the horizon, lights aside, is a lit sky and no night or ceiling."""
+def _is_small(radiance: NDArray[np.float32], light: Light) -> bool:
+    """Whether enough of a light comes from its very middle; the rest is glare or sky."""
+    directions = equirect_directions(radiance.shape[1], radiance.shape[0])
+    near = directions @ light.direction >= np.cos(np.deg2rad(_CORE_DEG))
+    weights = near * row_solid_angles(*near.shape)[:, None]
+    return bool((weights * luminance(radiance)).sum() >= _LEAST_CORE * light.luminance)
+
+
+def _is_day(radiance: NDArray[np.float32]) -> bool:
+    """Whether what is above the horizon is a lit blue sky, and no night, ceiling or leaves."""
     width = min(radiance.shape[1], _SKY_WIDTH_PX)
     small = resize_radiance(radiance, width)
     light = luminance(small)

@@ -23,6 +23,7 @@ from panokit.io.files import atomic_write, write_json
 from panokit.networks.expandnet import ExpandNet, expandnet_loss
 from panokit.train.examples import TRAINING_CAMERA
 from panokit.train.expandnet_recipe import ExpandNetRecipe, read_expandnet_recipe
+from panokit.train.probes import check_rights
 from panokit.train.release import export
 
 CHECKPOINT_EVERY = 100
@@ -45,7 +46,9 @@ class PhotographedProbe:
     pictures: tuple[NDArray[np.uint8], ...]
 
 
-def train_expandnet(recipe_path: Path, probes_folder: Path, work: Path) -> Path:
+def train_expandnet(
+    recipe_path: Path, probes_folder: Path, work: Path, *, own_right: str = ""
+) -> Path:
     """Train the recipe and write `expandnet.onnx` and `training.json` beside it.
 
     A run that was stopped goes on from its checkpoint in `work`.
@@ -54,14 +57,19 @@ def train_expandnet(recipe_path: Path, probes_folder: Path, work: Path) -> Path:
         recipe_path: models/<id>/expandnet.toml.
         probes_folder: With a manifest.csv.
         work: For the checkpoint.
+        own_right: What gives the right to train with probes whose license does not.
 
     Returns:
         The ONNX file.
+
+    Raises:
+        LicenseError: If the license of a probe does not permit training.
     """
     recipe = read_expandnet_recipe(recipe_path)
     probes = read_probes(probes_folder)
     folds = assign_folds(probes, recipe.folds)
     known = [p for p, fold in zip(probes, folds, strict=True) if fold != recipe.held_out]
+    check_rights(known, own_right)
     photographed = [_photographed(probe, recipe, i) for i, probe in enumerate(known)]
     work.mkdir(parents=True, exist_ok=True)
     network, losses = fit_expandnet(
@@ -99,7 +107,7 @@ def fit_expandnet(
     network.train()
     while step < recipe.steps:
         random = np.random.default_rng([recipe.seed, step])
-        crops = [cut_crop(probes[random.integers(len(probes))], recipe, random)
+        crops = [cut_crop(probes[int(random.integers(len(probes)))], recipe, random)
                  for _ in range(recipe.batch)]  # fmt: skip
         pictures, truths = (torch.from_numpy(np.stack(x)) for x in zip(*crops, strict=True))
         # bfloat16 halves the time of a step on processors that have it; the loss stays exact.
