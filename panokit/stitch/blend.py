@@ -42,7 +42,9 @@ def blend_feather(
     for number, view in enumerate(views):
         picture, fitted = _fitted(weighted(number), view, width_px)
         for patch in view_patches(fitted, width_px):
-            warped = cv2.remap(picture, patch.column, patch.row, cv2.INTER_LINEAR)
+            warped = np.asarray(
+                cv2.remap(picture, patch.column, patch.row, cv2.INTER_LINEAR), np.float32
+            )
             _add(total[patch.top : patch.top + len(warped)], patch.left, warped)
     return _normalized(total)
 
@@ -65,7 +67,9 @@ def blend_bands(
     for number, view in enumerate(views):
         picture, fitted = _fitted(weighted(number), view, width_px)
         patch = padded_patch(fitted, width_px, block)
-        share = cv2.remap(picture[..., 3], patch.column, patch.row, cv2.INTER_LINEAR)
+        share = np.asarray(
+            cv2.remap(picture[..., 3], patch.column, patch.row, cv2.INTER_LINEAR), np.float32
+        )
         color = cv2.remap(
             _filled(picture), patch.column, patch.row, cv2.INTER_LINEAR,
             borderMode=cv2.BORDER_REPLICATE,
@@ -113,9 +117,8 @@ def _fitted(
         return picture, view
     width = max(2, round(view.width_px / finer))
     height = max(2, round(view.height_px / finer))
-    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA), scaled(
-        view, width, height
-    )
+    smaller = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
+    return np.asarray(smaller, np.float32), scaled(view, width, height)
 
 
 def _add(rows: NDArray[np.float32], left: int, values: NDArray[np.float32]) -> None:
@@ -149,7 +152,7 @@ def _filled(picture: NDArray[np.float32]) -> NDArray[np.float32]:
     reach = 0
     around = picture.copy()
     while not valid.all() and reach < 8:
-        around = cv2.blur(around, (15, 15))
+        around = np.asarray(cv2.blur(around, (15, 15)), np.float32)
         near, near_valid = _normalized(around)
         fresh = near_valid & ~valid
         color[fresh] = near[fresh]
@@ -222,12 +225,14 @@ def _add_bands(
 def _halved(picture: NDArray[np.float32]) -> NDArray[np.float32]:
     height, width = picture.shape[:2]
     soft = cv2.GaussianBlur(picture, (3, 3), 0)
-    return cv2.resize(soft, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
+    size = (width // 2, height // 2)
+    return np.asarray(cv2.resize(soft, size, interpolation=cv2.INTER_AREA), np.float32)
 
 
 def _doubled(picture: NDArray[np.float32]) -> NDArray[np.float32]:
     height, width = picture.shape[:2]
-    return cv2.resize(picture, (2 * width, 2 * height), interpolation=cv2.INTER_LINEAR)
+    size = (2 * width, 2 * height)
+    return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_LINEAR), np.float32)
 
 
 def _collapsed(levels: list[NDArray[np.float32]]) -> NDArray[np.float32]:

@@ -20,9 +20,9 @@ from panokit.errors import ImageError, UsageError
 Curve = Literal["srgb", "debevec"]
 
 _DARK_CODE, _CLIPPED_CODE = 3, 253
-_CODE_NOISE = 2.0  # of a JPEG, in codes
-_GHOST_LOG, _GHOST_SIGMAS = 0.12, 4.0
-_GHOST_GROW_PX = 9
+_NOISY_CODE = 24
+# A change by an eighth in the mean over so many pixels is no compression.
+_GHOST_LOG, _GHOST_PX = 0.14, 9
 _MIDDLE_CODE = 128
 _LEAST_FACTOR = 1.05
 
@@ -80,8 +80,11 @@ def merge_brackets(
     for index in sorted(range(len(shots)), key=lambda i: (abs(i - reference), i)):
         light = _looked_up(shots[index], table / np.float32(relative[index]))
         trust = _looked_up(shots[index], weights_table * np.float32(relative[index] ** 2))
+        # Compression spreads the error of a clipped pixel over those beside it.
+        near = cv2.dilate(shots[index].max(axis=-1), np.ones((5, 5), np.uint8)) >= _CLIPPED_CODE
+        trust[near] = 0
         if deghost and index != reference:
-            moved = _moved(light, trust, total, weight, shots[index], table)
+            moved = _moved(light, trust, total, weight, shots[index])
             trust[moved] = 0
             ghosts |= moved
         total += light * trust
@@ -152,20 +155,25 @@ def _moved(
     total: NDArray[np.float32],
     weight: NDArray[np.float32],
     shot: NDArray[np.uint8],
-    table: NDArray[np.float32],
 ) -> NDArray[np.bool_]:
-    """(H, W): where a picture contradicts those before it by more than its noise."""
-    both = (trust > 0) & (weight > 0)
-    known = np.where(both, total / np.where(both, weight, 1), 1)
-    log_step = np.maximum(np.gradient(table, axis=0), 1e-6) / np.maximum(table, 1e-4)
-    noise = _looked_up(shot, np.asarray(log_step * _CODE_NOISE, np.float32))
-    difference = np.abs(np.log(np.maximum(light, 1e-6)) - np.log(np.maximum(known, 1e-6)))
-    far = both & (difference > _GHOST_LOG + _GHOST_SIGMAS * noise)
-    seed = far.any(axis=-1).astype(np.uint8)
-    # Single pixels are noise and edges; what moves is larger.
-    seed = cv2.morphologyEx(cv2.medianBlur(seed, 3), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
-    grown = cv2.dilate(seed, np.ones((_GHOST_GROW_PX, _GHOST_GROW_PX), np.uint8))
-    return np.asarray(grown > 0)
+    """(H, W): where a picture contradicts those before it over more than a few pixels.
+
+    Compression errs by much in single pixels, most of all beside clipped ones, but not in the
+    mean over a neighborhood.
+    """
+    both = ((trust > 0) & (weight > 0)).all(axis=-1) & (shot.min(axis=-1) > _NOISY_CODE)
+    known = (total / np.where(weight > 0, weight, 1)).mean(axis=-1)
+    size = (_GHOST_PX, _GHOST_PX)
+    count = cv2.blur(both.astype(np.float32), size)
+    here = cv2.blur(np.where(both, light.mean(axis=-1), 0).astype(np.float32), size)
+    there = cv2.blur(np.where(both, known, 0).astype(np.float32), size)
+    ratio = np.log(np.maximum(here, 1e-7) / np.maximum(there, 1e-7))
+    seed = (np.abs(ratio) > _GHOST_LOG) & (count > 0.3)
+    square = np.ones((3, 3), np.uint8)
+    seed_bytes = cv2.morphologyEx(seed.astype(np.uint8), cv2.MORPH_OPEN, square)
+    grown = cv2.dilate(seed_bytes, np.ones(size, np.uint8)) > 0
+    # What no other picture tells stays.
+    return np.asarray(grown & (weight > 0).all(axis=-1))
 
 
 def _with_ends(

@@ -171,7 +171,7 @@ def _strips(view: View, width_px: int) -> list[tuple[int, int, int, int]]:
         any_row = tall[start : start + per_strip].any(axis=0)
         if not any_row.any():
             continue
-        left, width = _span(any_row)
+        left, width = _span(np.asarray(any_row))
         top = start * step
         bottom = min(top + per_strip * step, height_px)
         left, right = (left - 1) * step, (left + width + 1) * step

@@ -87,7 +87,8 @@ def _scale(photo: NDArray[np.uint8]) -> float:
 def _features(photo: NDArray[np.uint8]) -> "cv2.detail.ImageFeatures":
     scale = _scale(photo)
     small = cv2.resize(photo, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    return cv2.detail.computeImageFeatures2(cv2.SIFT_create(2000), small)
+    sift = cv2.SIFT_create(2000)  # type: ignore[attr-defined]
+    return cv2.detail.computeImageFeatures2(sift, small)
 
 
 def _pairs(found: Sequence["cv2.detail.ImageFeatures"]) -> list["cv2.detail.MatchesInfo"]:
@@ -125,11 +126,12 @@ def _adjusted(
 ) -> tuple[View, ...]:
     some = [found[i] for i in kept]
     pairs = _pairs(some)
-    good, cameras = cv2.detail_HomographyBasedEstimator().apply(some, pairs, None)
+    estimator = cv2.detail_HomographyBasedEstimator()  # type: ignore[attr-defined]
+    good, cameras = estimator.apply(some, pairs, None)
     if good:
         for camera in cameras:
             camera.R = camera.R.astype(np.float32)
-        adjuster = cv2.detail_BundleAdjusterRay()
+        adjuster = cv2.detail_BundleAdjusterRay()  # type: ignore[attr-defined]
         adjuster.setConfThresh(_CONFIDENCE)
         good, cameras = adjuster.apply(some, pairs, cameras)
     focal = [camera.focal for camera in cameras] if good else []

@@ -155,7 +155,7 @@ def _whole(
 def _picture(views: ViewSet, entry: ViewEntry, found: dict[str, Any]) -> Picture:
     if len(entry.shots) == 1 and not views.is_bracketed:
         return _read(views, entry.shots[0].name)
-    shots = [np.asarray(_read(views, shot.name)) for shot in entry.shots]
+    shots = [np.asarray(_read(views, shot.name), np.uint8) for shot in entry.shots]
     exposures = [shot.exposure or 0.0 for shot in entry.shots]
     curve: Any = views.curve
     merged = merge_brackets(shots, exposures, curve=curve)

@@ -75,7 +75,7 @@ def thumbnail(picture: Picture, view: View, size_px: int) -> Thumbnail:
         usable[max(top - 1, 0) : bottom + 1, max(left - 1, 0) : right + 1] = 0
     if small.dtype == np.uint8:
         usable[small.max(axis=-1) >= CLIPPED_CODE - 6] = 0
-        return Thumbnail(reduced, srgb_decode_u8(small), usable)
+        return Thumbnail(reduced, srgb_decode_u8(np.asarray(small, np.uint8)), usable)
     return Thumbnail(reduced, np.asarray(small, np.float32), usable)
 
 
@@ -83,8 +83,7 @@ def sample_overlaps(thumbnails: Sequence[Thumbnail], grid_width_px: int) -> Over
     """Read all views on an equirectangular grid of directions."""
     directions = equirect_directions(grid_width_px, grid_width_px // 2).reshape(-1, 3)
     rows = pixel_solid_angles(grid_width_px // 2)
-    angles = np.broadcast_to(rows.reshape(len(rows), -1)[:, :1], (len(rows), grid_width_px))
-    angles = angles.astype(np.float32).ravel()
+    angles = np.repeat(rows[:, 0], grid_width_px).astype(np.float32)
     count = len(thumbnails)
     linear = np.zeros((count, len(directions), 3), np.float32)
     weight = np.zeros((count, len(directions)), np.float32)

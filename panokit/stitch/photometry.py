@@ -133,7 +133,7 @@ def _least_squares(
     # groups of views that share nothing stay where they are.
     rounding = 1e-4 * float(weight.sum()) / count
     matrix[np.diag_indices(size)] += np.square(noise / np.array(spreads)) + rounding
-    return np.linalg.solve(matrix, right)
+    return np.asarray(np.linalg.solve(matrix, right), np.float64)
 
 
 def _mean(values: NDArray[np.float32], weight: NDArray[np.float32]) -> NDArray[np.float32]:

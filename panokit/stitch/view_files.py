@@ -138,7 +138,7 @@ def _entry(path: Path, number: int, entry: Any) -> ViewEntry:
         if given and len(given) < len(_POSE):
             missing = ", ".join(name for name in _POSE if name not in entry)
             raise _wrong(path, f"{what} without {missing}")
-        pose = None
+        pose: dict[str, Any] | None = None
         if given:
             pose = {name: float(entry[name]) for name in (*_POSE, "roll_deg") if name in entry}
             boxes = entry.get("masked_px", ())

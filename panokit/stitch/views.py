@@ -186,9 +186,9 @@ def _weighted(
     if picture.dtype == np.float32:
         even = picture * (1 / gain).astype(np.float32)
         one = np.ones(picture.shape[:2], np.float32)
-        return np.asarray(cv2.multiply(cv2.merge([*cv2.split(even), one]), factor))
+        return np.asarray(cv2.multiply(cv2.merge([*cv2.split(even), one]), factor), np.float32)
     linear = cv2.LUT(cv2.cvtColor(picture, cv2.COLOR_RGB2RGBA), _table(gain))
-    result = np.asarray(cv2.multiply(linear, factor))
+    result = np.asarray(cv2.multiply(linear, factor), np.float32)
     if uneven:
         red, green, blue = cv2.split(picture)
         highest = cv2.max(cv2.max(red, green), blue)
