@@ -1,5 +1,6 @@
 import math
 import os
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
@@ -23,7 +24,7 @@ def street(width_px=1024, seed=0):
     picture = np.full((*azimuth.shape, 3), 200, np.float32)
     picture[slope < -0.25] = 90
     edges = np.sort(rng.uniform(-math.pi, math.pi, 40))
-    for left, right in zip(edges[:-1], edges[1:], strict=True):
+    for left, right in pairwise(edges):
         house = (azimuth > left) & (azimuth < right) & (slope > -0.25)
         picture[house & (slope < rng.uniform(0.4, 1.2))] = rng.uniform(60, 180, 3)
         third = (right - left) / 3
