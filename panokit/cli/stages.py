@@ -25,12 +25,12 @@ def stitch(
     workers: Workers = 1,
     json: Json = False,
 ) -> int:
-    """Tiles to level panoramas.
+    """Tiles, overlapping views or bracketed exposures to level panoramas.
 
     Parameters
     ----------
     inputs
-        A run folder, or folders that `panokit fetch` wrote.
+        A run folder, folders that `panokit fetch` wrote, or files of views (VIEWS.json).
     out
         Where the panoramas go; a run keeps them itself.
     """

@@ -10,6 +10,7 @@ from panokit.io.pictures import HDR_SUFFIXES
 from panokit.pipeline.tasks import StageTask
 from panokit.records import RunFolder, require_folder
 from panokit.settings import Settings
+from panokit.stitch import read_view_set
 
 # Where a stage finds its pictures in a run; the first folder that has any.
 _SOURCES = {"inpaint": ("panoramas",), "expand": ("filled", "panoramas")}
@@ -29,7 +30,8 @@ def stage_tasks(
 
     Args:
         stage: "stitch", "inpaint" or "expand".
-        paths: One run folder; or capture folders for stitch; or pictures and folders of them.
+        paths: One run folder; or capture folders and files of views for stitch; or pictures
+            and folders of them.
         settings: The stage's settings.
         out: Where results go; needed unless `paths` is a run.
         mask: What to fill, for inpaint.
@@ -48,17 +50,22 @@ def stage_tasks(
         return tasks
     if out is None:
         raise UsageError("Say where the results go with --out DIR.")
-    sources = capture_folders(paths) if stage == "stitch" else pictures(paths, LDR_SUFFIXES)
+    # HDR maps have holes, too.
+    suffixes = (*LDR_SUFFIXES, *HDR_SUFFIXES) if stage == "inpaint" else LDR_SUFFIXES
+    sources = stitch_sources(paths) if stage == "stitch" else pictures(paths, suffixes)
     if not sources:
-        wanted = "fetched captures" if stage == "stitch" else "JPEG, PNG, WebP or TIFF pictures"
+        wanted = (
+            "fetched captures or files of views"
+            if stage == "stitch"
+            else "JPEG, PNG, WebP or TIFF pictures"
+        )
         raise UsageError(f"There are no {wanted} in {', '.join(map(str, paths))}.")
-    suffix = _TARGETS[stage][1]
     tasks = [
         StageTask(
             stage=stage,
             item=source.name if source.is_dir() else source.stem,
             source=source,
-            target=out / f"{source.name if source.is_dir() else source.stem}{suffix}",
+            target=out / _target_name(stage, source),
             settings=settings,
             mask=mask,
         )
@@ -66,6 +73,16 @@ def stage_tasks(
     ]
     _check_targets(tasks)
     return tasks
+
+
+def _target_name(stage: str, source: Path) -> str:
+    if source.is_dir():
+        return f"{source.name}{_TARGETS[stage][1]}"
+    # What was HDR stays HDR; brackets and HDR views become a map, not a picture.
+    hdr = (stage == "inpaint" and source.suffix.lower() in HDR_SUFFIXES) or (
+        stage == "stitch" and read_view_set(source).is_hdr
+    )
+    return f"{source.stem}{'.exr' if hdr else _TARGETS[stage][1]}"
 
 
 def run_tasks(
@@ -135,6 +152,12 @@ def capture_folders(paths: Sequence[Path]) -> list[Path]:
             children = sorted(require_folder(path).iterdir())
             found += [child for child in children if (child / RECORD).is_file()]
     return found
+
+
+def stitch_sources(paths: Sequence[Path]) -> list[Path]:
+    """Files of views named, and the folders that hold a capture, among these and in them."""
+    files = [path for path in paths if path.suffix.lower() == ".json" and path.is_file()]
+    return files + capture_folders([path for path in paths if path not in files])
 
 
 def _check_targets(tasks: Sequence[StageTask]) -> None:
