@@ -148,7 +148,8 @@ def _surroundings(
     rows = []
     for k, center in enumerate(centers):
         cells = np.unique(cell_of[components.labels == k + 1])
-        nearest = np.degrees(np.arccos(np.clip((directions @ directions[cells].T).max(1), -1, 1)))
+        rim = directions[_rim(cells)]
+        nearest = np.degrees(np.arccos(np.clip((directions @ rim.T).max(1), -1, 1)))
         nearest[cells] = -1
         figures: list[float] = []
         for low, high in pairwise(RINGS_DEG):
@@ -163,6 +164,15 @@ def _surroundings(
             ]
         rows.append([*figures, figures[-4] - figures[-3], figures[-2] - figures[-1]])
     return np.array(rows)
+
+
+def _rim(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Those of a component's grid cells with a neighbor outside: what all others are nearest to."""
+    inside = np.zeros((GRID_HEIGHT_PX, GRID_WIDTH_PX), bool)
+    inside.flat[cells] = True
+    wide = np.pad(inside, ((1, 1), (0, 0)), mode="edge")
+    around = wide[:-2] & wide[2:] & np.roll(inside, 1, axis=1) & np.roll(inside, -1, axis=1)
+    return np.asarray(np.flatnonzero(inside & ~around) if (inside & ~around).any() else cells)
 
 
 def _mean(values: NDArray[np.floating], weights: NDArray[np.floating]) -> float:

@@ -1,4 +1,4 @@
-"""Expansion with a released model: two networks, one on the grid and one on the components."""
+"""Expansion with a released model: networks on the grid and networks on the components."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.errors import ImageError, ModelError
-from panokit.expand.component_features import component_features
+from panokit.expand.component_features import COMPONENT_FEATURES, component_features
 from panokit.expand.components import Components, find_components
 from panokit.expand.curve import apply_curve
 from panokit.expand.features import GRID_WIDTH_PX, grid_features
@@ -18,9 +18,26 @@ from panokit.weights import ReleasedModel, find_model, verify_model
 
 # Of the functions that make the networks' inputs; a model says which one it was trained with.
 FEATURES_VERSION = "1"
-# The U-net halves the grid four times, so its answer repeats under rolls of 16 cells only.
-# The mean over rolls by 0 to 15 cells repeats under every roll, and is a better answer.
+# Of a model in two files, whose grid network answers for one roll: the mean over rolls by 0 to
+# 15 cells repeats under every roll. A model in one file does this within.
 ROLLS = 16
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Answer:
+    """What a model computes.
+
+    Attributes:
+        log_gain: (3, 64, 128) float32, of burnt-out light, per channel.
+        slopes: Of the camera's response, in the dark and at white.
+        component_gain: (K,) float32, log gain of each component.
+        sun: (K,) float32, probability that a component is the sun.
+    """
+
+    log_gain: NDArray[np.float32]
+    slopes: tuple[float, float]
+    component_gain: NDArray[np.float32]
+    sun: NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,6 +51,7 @@ class Prediction:
         grid_energy: (K + 1,) float64, of the light outside the components and of each one,
             as the grid has it.
         component_energy: (K,) float64, of each component as the component network has it.
+        sun: (K,) float32, probability that a component is the sun.
     """
 
     log_gain: NDArray[np.float32]
@@ -41,6 +59,7 @@ class Prediction:
     components: Components
     grid_energy: NDArray[np.float64]
     component_energy: NDArray[np.float64]
+    sun: NDArray[np.float32]
 
     @property
     def energy(self) -> NDArray[np.float64]:
@@ -67,24 +86,40 @@ class ExpansionNetwork:
             )
         verify_model(model)
         self.digest = model.digest
-        self._gain = Session(model.path("gain"), threads=threads)
-        self._components = Session(model.path("components"), threads=threads)
+        self._files = {role: Session(model.path(role), threads=threads) for role in model.files}
 
-    def grid_gain(
+    def ask(self, grid: NDArray[np.float32], features: NDArray[np.float32]) -> Answer:
+        """What the model says.
+
+        Args:
+            grid: (16, 64, 128), `grid_features`.
+            features: (K, 60), `component_features`.
+        """
+        count = len(features)
+        # A network wants at least one row; one of zeros is padding to it.
+        rows = features[None] if count else np.zeros((1, 1, COMPONENT_FEATURES), np.float32)
+        if "expansion" in self._files:
+            said = self._files["expansion"].run({"grid": grid[None], "features": rows})
+            log_gain, slopes = said["log_gain"], said["slopes"]
+            component_gain, sun = said["component_gain"], said["sun"]
+        else:
+            log_gain, slopes = self._over_rolls(grid)
+            component_gain = self._files["components"].run({"features": rows})["log_gain"][0]
+            sun = np.zeros_like(component_gain)
+        return Answer(
+            log_gain=_warm_or_cool(log_gain),
+            slopes=(float(slopes[0]), float(slopes[1])),
+            component_gain=component_gain[:count],
+            sun=sun[:count],
+        )
+
+    def _over_rolls(
         self, grid: NDArray[np.float32]
-    ) -> tuple[NDArray[np.float32], tuple[float, float]]:
-        """Log gain (3, 64, 128) and the curve's slopes for `grid_features`, over all rolls."""
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         rolled = np.stack([np.roll(grid, shift, axis=-1) for shift in range(ROLLS)])
-        result = self._gain.run({"grid": rolled})
+        result = self._files["gain"].run({"grid": rolled})
         back = [np.roll(gain, -i, axis=-1) for i, gain in enumerate(result["log_gain"])]
-        dark, white = np.exp(np.log(result["slopes"]).mean(axis=0))
-        return _warm_or_cool(np.mean(back, axis=0)), (float(dark), float(white))
-
-    def component_gain(self, features: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Log gain (K,) for `component_features` (K, 60)."""
-        if not len(features):
-            return np.zeros(0, np.float32)
-        return self._components.run({"features": features[None]})["log_gain"][0]
+        return np.mean(back, axis=0), np.exp(np.log(result["slopes"]).mean(axis=0))
 
 
 def predict(reduced: ReducedPanorama, network: ExpansionNetwork) -> Prediction:
@@ -107,14 +142,14 @@ def predict(reduced: ReducedPanorama, network: ExpansionNetwork) -> Prediction:
         )
     grid = grid_features(reduced)
     components = find_components(reduced)
-    log_gain, slopes = network.grid_gain(grid)
-    described = network.component_gain(component_features(reduced, components, grid))
+    answer = network.ask(grid, component_features(reduced, components, grid))
     return Prediction(
-        log_gain=log_gain,
-        curve_slopes=slopes,
+        log_gain=answer.log_gain,
+        curve_slopes=answer.slopes,
         components=components,
-        grid_energy=grid_energies(log_gain, reduced, components),
-        component_energy=components.energy * np.exp(described),
+        grid_energy=grid_energies(answer.log_gain, reduced, components),
+        component_energy=components.energy * np.exp(answer.component_gain),
+        sun=answer.sun,
     )
 
 

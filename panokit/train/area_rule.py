@@ -5,7 +5,7 @@ from scipy.optimize import minimize
 
 from panokit.expand.baselines import AreaRule
 from panokit.train.examples import Examples
-from panokit.train.losses import NORMALS
+from panokit.train.normals import NORMALS
 
 
 def fit_area_rule(examples: Examples) -> AreaRule:

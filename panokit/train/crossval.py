@@ -19,12 +19,11 @@ from panokit.metrics import ExpansionScore, score_expansion
 from panokit.train.area_rule import fit_area_rule
 from panokit.train.ensemble import train_ensemble
 from panokit.train.examples import Examples
-from panokit.train.probes import TrainingProbe, assign_folds
+from panokit.train.probes import FOLDS, TrainingProbe, assign_folds
 from panokit.train.recipe import Recipe
 from panokit.train.release import release
 from panokit.weights import read_model
 
-FOLDS = 5
 TEST_CAMERAS = (CAMERA_A, CAMERA_B)
 METHODS = ("ldr", "srgb", "reinhard", "area", "recipe")
 
@@ -51,13 +50,20 @@ class ScoreRow:
 
 
 def train_fold(
-    probes: Sequence[TrainingProbe], examples: Examples, recipe: Recipe, fold: int, work: Path
+    probes: Sequence[TrainingProbe],
+    examples: Examples,
+    recipe: Recipe,
+    fold: int,
+    work: Path,
+    *,
+    component_examples: Examples | None = None,
 ) -> Path:
     """Train and export the recipe without the probes of one fold; returns the model's folder."""
     known = np.flatnonzero(assign_folds(probes, FOLDS) != fold)
     folder = work / f"fold-{fold}"
-    networks = train_ensemble(examples.of_probes(known), recipe, folder)
-    release(recipe, *networks, folder)
+    own = None if component_examples is None else component_examples.of_probes(known)
+    network = train_ensemble(examples.of_probes(known), recipe, folder, component_examples=own)
+    release(recipe, network, folder)
     return folder
 
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from panokit.networks.component_net import ComponentEnsemble
+from panokit.networks.expansion_net import ExpansionNet
 from panokit.networks.gain_net import GainEnsemble
 from panokit.train.examples import Examples
 from panokit.train.loop import train_component_net, train_gain_net
@@ -10,14 +11,19 @@ from panokit.train.recipe import Recipe
 
 
 def train_ensemble(
-    examples: Examples, recipe: Recipe, checkpoints: Path
-) -> tuple[GainEnsemble, ComponentEnsemble]:
+    examples: Examples,
+    recipe: Recipe,
+    checkpoints: Path,
+    *,
+    component_examples: Examples | None = None,
+) -> ExpansionNet:
     """Train every member of a recipe's ensembles; what is finished in `checkpoints` is kept.
 
     Args:
         examples: To learn from.
         recipe: How, and how many members.
         checkpoints: A folder for this recipe and these examples alone.
+        component_examples: For the component networks, if not the same.
     """
     checkpoints.mkdir(parents=True, exist_ok=True)
     gain = [
@@ -27,7 +33,7 @@ def train_ensemble(
         for seed in range(recipe.network.members)
     ]
     components = [
-        train_component_net(examples, recipe.components, seed=seed)
+        train_component_net(component_examples or examples, recipe.components, seed=seed)
         for seed in range(recipe.components.members)
     ]
-    return GainEnsemble(gain).eval(), ComponentEnsemble(components).eval()
+    return ExpansionNet(GainEnsemble(gain), ComponentEnsemble(components)).eval()

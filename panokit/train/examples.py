@@ -6,7 +6,7 @@ sees more than the 128x64 grid.
 
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -16,14 +16,15 @@ from numpy.typing import NDArray
 
 from panokit.color import luminance
 from panokit.color.camera import Camera, photograph
+from panokit.color.luminance import weighted_percentile
 from panokit.expand.component_features import COMPONENT_FEATURES, component_features
-from panokit.expand.components import MOST_COMPONENTS, find_components, sum_by_component
-from panokit.expand.features import GRID_WIDTH_PX, grid_features
+from panokit.expand.components import MOST_COMPONENTS, Components, find_components
+from panokit.expand.features import GRID_HEIGHT_PX, GRID_WIDTH_PX, grid_features
 from panokit.expand.reduce import reduce_panorama
 from panokit.io.files import atomic_write
-from panokit.sphere import equirect_directions, resize_radiance, row_solid_angles
-from panokit.train.normals import sphere_normals
-from panokit.train.probes import TrainingProbe
+from panokit.sphere import resize_radiance, row_solid_angles
+from panokit.train.normals import NORMALS, irradiance_matrix
+from panokit.train.probes import FOLDS, TrainingProbe, assign_folds
 from panokit.train.recipe import DataRecipe
 
 # Wider than the test cameras: half the pictures are sRGB, half have a sigmoid response.
@@ -35,6 +36,22 @@ TRAINING_CAMERA = Camera(
     sigmoid_s=(0.6, 0.12),
     jpeg_quality=(80, 98),
 )
+
+
+WIDE_CAMERA = replace(TRAINING_CAMERA, name="wide", level=(0.12, 3.0))
+# One mixed picture in so many is taken with the wide camera.
+MIXED_PER_WIDE = 4
+# How bright the second probe of a mixed picture is beside the first.
+MIXED_LIGHT = (0.1, 1.0)
+# Where a light many times brighter than the picture shows is the sun and not a lamp.
+DAYLIGHT = (
+    "outdoor_sunny",
+    "outdoor_sunrise_sunset",
+    "outdoor_overcast",
+    "semi_outdoor",
+    "sky_only",
+)
+SUN_GAIN, SUN_SHARE = 8.0, 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,6 +69,9 @@ class Examples:
         spread: (N, K, 64) float32, irradiance on 64 normals for an energy of 1.
         vector: (N, K, 3) float32, light vector for an energy of 1.
         rest: (N, 68) float32, of all other light: irradiance (64), light vector (3), energy.
+        sun: (N, K) float32, 1 where a component is the sun: in a daylight scene the one with
+            the most light, if the picture shows less than an eighth of it and it is a tenth
+            of all.
     """
 
     probe: NDArray[np.int64]
@@ -64,6 +84,7 @@ class Examples:
     spread: NDArray[np.float32]
     vector: NDArray[np.float32]
     rest: NDArray[np.float32]
+    sun: NDArray[np.float32]
 
     def of_probes(self, probes: NDArray[np.int64]) -> "Examples":
         """Only the pictures of these probes."""
@@ -75,12 +96,12 @@ def make_examples(
     probes: Sequence[TrainingProbe], recipe: DataRecipe, *, processes: int = 1
 ) -> Examples:
     """Photograph every probe; the same recipe gives the same examples."""
-    work = partial(_examples_of_probe, recipe=recipe)
+    work = partial(_examples_of_probe, probes=list(probes), recipe=recipe)
     if processes == 1:
-        parts = [work(item) for item in enumerate(probes)]
+        parts = [work(index) for index in range(len(probes))]
     else:
         with ProcessPoolExecutor(processes) as pool:
-            parts = list(pool.map(work, enumerate(probes)))
+            parts = list(pool.map(work, range(len(probes))))
     names = Examples.__slots__
     return Examples(**{name: np.concatenate([part[name] for part in parts]) for name in names})
 
@@ -97,20 +118,48 @@ def load_examples(path: Path) -> Examples:
         return Examples(**{name: arrays[name] for name in Examples.__slots__})
 
 
-def _examples_of_probe(item: tuple[int, TrainingProbe], recipe: DataRecipe) -> dict[str, NDArray]:
+def _examples_of_probe(
+    index: int, probes: list[TrainingProbe], recipe: DataRecipe
+) -> dict[str, NDArray]:
     cv2.setNumThreads(1)
-    index, probe = item
-    radiance = probe.radiance()
+    radiance = probes[index].radiance()
+    first = (recipe.seed * 1000 + index) * 1000
+    shots = recipe.shots_per_probe
     rows = [
-        _example(radiance, seed=(recipe.seed * 1000 + index) * 1000 + shot)
-        for shot in range(recipe.shots_per_probe)
+        _example(radiance, TRAINING_CAMERA if k < shots else WIDE_CAMERA, first + k)
+        for k in range(shots + recipe.wide_per_probe)
     ]
+    for k in range(recipe.mixed_per_probe):
+        camera = WIDE_CAMERA if k % MIXED_PER_WIDE == MIXED_PER_WIDE - 1 else TRAINING_CAMERA
+        rows.append(_example(_mixed(index, probes, k), camera, 500_000 + first + k))
     arrays = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    if probes[index].category not in DAYLIGHT:
+        arrays["sun"][:] = 0
     return {"probe": np.full(len(rows), index), **arrays}
 
 
-def _example(radiance: NDArray[np.float32], seed: int) -> dict[str, NDArray]:
-    shot = photograph(radiance, TRAINING_CAMERA, seed=seed)
+def _mixed(index: int, probes: list[TrainingProbe], number: int) -> NDArray[np.float32]:
+    """A probe in its own light and that of another one of its fold, turned and dimmed."""
+    random = np.random.default_rng([index, number, 77])
+    folds = assign_folds(probes, FOLDS)
+    others = [i for i in np.flatnonzero(folds == folds[index]).tolist() if i != index] or [index]
+    other = _leveled(probes[int(random.choice(others))].radiance())
+    if random.random() < 0.5:
+        other = other[:, ::-1]
+    other = np.roll(other, int(random.integers(other.shape[1])), axis=1)
+    share = np.float32(np.exp(random.uniform(*np.log(MIXED_LIGHT))))
+    return np.ascontiguousarray(_leveled(probes[index].radiance()) + share * other)
+
+
+def _leveled(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
+    """With the 90th percentile of luminance at 1."""
+    light = luminance(radiance)
+    area = np.broadcast_to(row_solid_angles(*light.shape)[:, None], light.shape)
+    return radiance / np.float32(weighted_percentile(light, area, 90))
+
+
+def _example(radiance: NDArray[np.float32], camera: Camera, seed: int) -> dict[str, NDArray]:
+    shot = photograph(radiance, camera, seed=seed)
     truth = radiance * np.float32(shot.exposure)
     reduced = reduce_panorama(shot.pixels, radiance.shape[1])
     grid = grid_features(reduced)
@@ -119,39 +168,41 @@ def _example(radiance: NDArray[np.float32], seed: int) -> dict[str, NDArray]:
     true_burnt = truth * reduced.share[..., None]
     pooled = resize_radiance(np.dstack([truth - true_burnt, true_burnt]), GRID_WIDTH_PX)
     logs = np.log(np.maximum(pooled, 1e-6)).transpose(2, 0, 1).astype(np.float16)
-
-    height, width = reduced.share.shape
-    area = row_solid_angles(height, width)[:, None]
-    directions = equirect_directions(width, height)
-    light = (luminance(truth) * area).astype(np.float32)
-    shown = (luminance(reduced.burnt) * area).astype(np.float32)
-    count = len(components)
-    energy = sum_by_component(light, components)
-    received = np.zeros((MOST_COMPONENTS, 64), np.float32)
-    vector = np.zeros((MOST_COMPONENTS, 3), np.float32)
-    normals = sphere_normals(64)
-    for k in range(count):
-        inside = components.labels == k + 1
-        share = shown[inside] / max(float(components.energy[k]), 1e-9)
-        facing = directions[inside]
-        received[k] = np.maximum(facing @ normals.T, 0).T @ share
-        vector[k] = share @ facing
-    outside = components.labels == 0
-    rest_light, facing = light[outside], directions[outside]
-    rest = np.concatenate(
-        [np.maximum(facing @ normals.T, 0).T @ rest_light, rest_light @ facing, [rest_light.sum()]]
-    )
+    light = _light_of_regions(luminance(truth), components)
+    shown = _light_of_regions(luminance(reduced.burnt), components)[1:]
+    energy, ldr_energy = light[1:, -1], shown[:, -1]
+    unit = shown / np.maximum(ldr_energy[:, None], 1e-9)
+    strongest = energy == energy.max()
+    sun = strongest & (energy > SUN_GAIN * ldr_energy) & (energy > SUN_SHARE * light[:, -1].sum())
     return {
         "grid": grid.astype(np.float16),
         "clear": logs[:3],
         "burnt": logs[3:],
         "features": _padded(features, (MOST_COMPONENTS, COMPONENT_FEATURES)),
-        "ldr_energy": _padded(components.energy, (MOST_COMPONENTS,)),
-        "energy": _padded(energy, (MOST_COMPONENTS,)),
-        "spread": received,
-        "vector": vector,
-        "rest": rest.astype(np.float32),
+        "ldr_energy": ldr_energy,
+        "energy": energy,
+        "spread": unit[:, :NORMALS],
+        "vector": unit[:, NORMALS : NORMALS + 3],
+        "rest": light[0],
+        "sun": (sun & (ldr_energy > 0)).astype(np.float32),
     }
+
+
+def _light_of_regions(light: NDArray[np.float32], components: Components) -> NDArray[np.float32]:
+    """Irradiance on 64 normals, light vector and energy of all outside the components and of
+    each one, (1 + `MOST_COMPONENTS`, 68) float32, as the grid's cells give them.
+    """  # noqa: D205
+    height, width = light.shape
+    row = np.arange(height) * GRID_HEIGHT_PX // height
+    column = np.arange(width) * GRID_WIDTH_PX // width
+    cell = row[:, None] * GRID_WIDTH_PX + column[None, :]
+    cells, regions = GRID_HEIGHT_PX * GRID_WIDTH_PX, 1 + MOST_COMPONENTS
+    weighted = light * row_solid_angles(height, width)[:, None]
+    place = components.labels * cells + cell
+    sums = np.bincount(place.ravel(), weighted.ravel(), regions * cells).reshape(regions, cells)
+    area = np.repeat(row_solid_angles(GRID_HEIGHT_PX, GRID_WIDTH_PX), GRID_WIDTH_PX)
+    matrix = irradiance_matrix(GRID_WIDTH_PX, NORMALS) / area
+    return np.asarray(sums @ matrix.T, np.float32)
 
 
 def _padded(values: NDArray[np.floating], shape: tuple[int, ...]) -> NDArray[np.float32]:

@@ -16,7 +16,7 @@ from panokit.networks.component_net import ComponentNet
 from panokit.networks.gain_net import GainNet
 from panokit.train.augment import tint, turn
 from panokit.train.examples import Examples
-from panokit.train.losses import GridLoss, component_loss
+from panokit.train.losses import GridLoss, component_loss, sun_loss
 from panokit.train.recipe import ComponentRecipe, NetworkRecipe
 
 CHECKPOINT_EVERY = 100
@@ -97,6 +97,7 @@ def train_component_net(examples: Examples, recipe: ComponentRecipe, *, seed: in
         name: torch.from_numpy(getattr(examples, name)[some])
         for name in ("features", "ldr_energy", "energy", "spread", "vector", "rest")
     }
+    tensors["sun"] = torch.from_numpy(examples.sun[some])
     network = ComponentNet(COMPONENT_FEATURES, dropout=recipe.dropout)
     network.standardize_by(tensors["features"][tensors["ldr_energy"] > 0])
     run = _start(network, recipe)
@@ -105,8 +106,10 @@ def train_component_net(examples: Examples, recipe: ComponentRecipe, *, seed: in
     while run.step < recipe.steps:
         picked = torch.from_numpy(random.integers(len(some), size=recipe.batch))
         batch = {name: tensor[picked] for name, tensor in tensors.items()}
-        log_gain = network(batch.pop("features"), recipe.noise)
-        _step(run, component_loss(log_gain, **batch))
+        log_gain, logit = network(batch.pop("features"), recipe.noise)
+        sun = sun_loss(logit, batch.pop("sun"), batch["ldr_energy"])
+        light = component_loss(log_gain, **batch, relative=recipe.relative)
+        _step(run, light + recipe.sun_weight * sun)
     _take_average(run)
     return network.eval()
 

@@ -5,13 +5,13 @@ All terms compare logs or shares, so that a lamp of 5 and a sun of 50000 weigh a
 
 import torch
 from torch import Tensor
+from torch.nn import functional as F
 
 from panokit.color.luminance import REC709_LUMINANCE
 from panokit.expand.features import GRID_WIDTH_PX
 from panokit.networks.curve import apply_curve
-from panokit.train.normals import irradiance_matrix
+from panokit.train.normals import NORMALS, irradiance_matrix
 
-NORMALS = 64
 # Keeps logs finite where there is no light; in units of the clip level.
 _FLOOR = 1e-4
 
@@ -74,14 +74,17 @@ class GridLoss:
         return 0.5 * ((error * weight).sum(1) / weight.sum(1).clamp(min=1e-6)).mean()
 
 
-def light_loss(guess: Tensor, true: Tensor) -> Tensor:
+def light_loss(guess: Tensor, true: Tensor, relative: float = 0.0) -> Tensor:
     """Error of irradiance on 64 normals, of the energy and of the light vector.
 
     Args:
         guess: (B, 68): 64 irradiances, the light vector, the energy.
         true: The same of the truth.
+        relative: How much of the irradiance's error is relative and not of the log, 0 to 1: in
+            doubt, a relative error asks for less light, a log error for the median.
     """
-    irradiance = ((guess[:, :64] + _FLOOR).log() - (true[:, :64] + _FLOOR).log()).abs().mean(1)
+    ratio = (guess[:, :NORMALS] + _FLOOR) / (true[:, :NORMALS] + _FLOOR)
+    irradiance = ((1 - relative) * ratio.log().abs() + relative * (ratio - 1).abs()).mean(1)
     energy = ((guess[:, 67] + _FLOOR).log() - (true[:, 67] + _FLOOR).log()).abs()
     guess_vector = guess[:, 64:67] / (guess[:, 67:] + _FLOOR)
     true_vector = true[:, 64:67] / (true[:, 67:] + _FLOOR)
@@ -92,7 +95,7 @@ def light_loss(guess: Tensor, true: Tensor) -> Tensor:
 
 def component_loss(
     log_gain: Tensor, ldr_energy: Tensor, energy: Tensor, spread: Tensor, vector: Tensor,
-    rest: Tensor,
+    rest: Tensor, relative: float = 0.0,
 ) -> Tensor:  # fmt: skip
     """The loss of a component network: the light of all components, and each one's own error.
 
@@ -103,6 +106,7 @@ def component_loss(
         spread: (B, K, 64), irradiance for an energy of 1.
         vector: (B, K, 3), light vector for an energy of 1.
         rest: (B, 68), irradiance, light vector and energy of all other light.
+        relative: See `light_loss`.
     """
     real = (ldr_energy > 0).float()
     guess = ldr_energy * log_gain.exp()
@@ -122,4 +126,17 @@ def component_loss(
     by_energy = energy * real / (energy * real).sum(1, keepdim=True).clamp(min=1e-6)
     evenly = real / real.sum(1, keepdim=True).clamp(min=1)
     own = (error * (by_energy + 0.5 * evenly)).sum(dim=1).mean()
-    return light_loss(guess_light, true_light) + 0.5 * own
+    return light_loss(guess_light, true_light, relative) + 0.5 * own
+
+
+def sun_loss(logit: Tensor, sun: Tensor, ldr_energy: Tensor) -> Tensor:
+    """Binary cross-entropy of which component is the sun.
+
+    Args:
+        logit: (B, K), predicted.
+        sun: (B, K), 1 where the component is the sun.
+        ldr_energy: (B, K), 0 marks padding.
+    """
+    real = (ldr_energy > 0).float()
+    each = F.binary_cross_entropy_with_logits(logit, sun, reduction="none") * real
+    return each.sum(dim=1).mean()

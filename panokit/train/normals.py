@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 from panokit.sphere import equirect_directions, row_solid_angles
 
+# On how many the losses compare irradiance.
+NORMALS = 64
+
 
 @lru_cache(maxsize=4)
 def sphere_normals(count: int) -> NDArray[np.float32]:

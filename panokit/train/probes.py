@@ -10,6 +10,9 @@ from panokit.evaluate.probe_set import read_probes as read_probes
 from panokit.io.files import read_json
 from panokit.io.pictures import record_path
 
+# Of the cross-validation. Mixed training pictures, too, never join probes of two folds.
+FOLDS = 5
+
 
 def check_rights(probes: Sequence[TrainingProbe], own_right: str = "") -> None:
     """Check that the probes may be trained with, by the records beside their maps.

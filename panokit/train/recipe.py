@@ -15,6 +15,13 @@ class DataRecipe(Settings):
     shots_per_probe: int = Field(default=16, ge=1)
     """Pictures taken of each probe with random exposures and curves."""
 
+    wide_per_probe: int = Field(default=0, ge=0)
+    """Pictures of each probe with exposures from far too dark to far too bright."""
+
+    mixed_per_probe: int = Field(default=0, ge=0)
+    """Pictures of each probe in the light of another one, turned: light adds up, so the sum of
+    two probes is a probe."""
+
     seed: int = 0
     """For the exposures and curves."""
 
@@ -68,6 +75,12 @@ class ComponentRecipe(Settings):
     dropout: float = 0.3
     """After each layer."""
 
+    sun_weight: float = 0.2
+    """Of the loss of finding the sun among the components."""
+
+    relative: float = Field(default=0.0, ge=0, le=1)
+    """How much of the error of irradiance is relative and not of the log."""
+
     noise: float = 0.15
     """Standard deviation of the noise on the standardized inputs."""
 
@@ -85,7 +98,10 @@ class Recipe(Settings):
     """What the model is for."""
 
     data: DataRecipe = DataRecipe()
-    """The pictures to train on."""
+    """The pictures that the gain networks train on."""
+
+    component_data: DataRecipe | None = None
+    """The pictures that the component networks train on, if not the same."""
 
     network: NetworkRecipe = NetworkRecipe()
     """The gain networks."""

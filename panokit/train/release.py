@@ -1,6 +1,7 @@
 """From trained networks to the files of a released model."""
 
 import hashlib
+import json
 import logging
 import warnings
 from collections.abc import Mapping
@@ -18,37 +19,48 @@ from panokit.expand.features import CHANNELS, GRID_HEIGHT_PX, GRID_WIDTH_PX
 from panokit.expand.network import FEATURES_VERSION
 from panokit.inference import Session
 from panokit.io.files import atomic_write, write_bytes
-from panokit.networks.component_net import ComponentEnsemble
-from panokit.networks.gain_net import GainEnsemble
+from panokit.networks.expansion_net import ExpansionNet
 from panokit.train.recipe import Recipe
 
 # The largest difference between torch and ONNX Runtime, relative to the largest value.
-PARITY = 1e-4
+PARITY = 1e-5
 
-_GAIN_FILE = "gain.onnx"
-_COMPONENT_FILE = "components.onnx"
+_FILE = "expansion.onnx"
+# How model.toml describes what goes in and comes out: shape, and what it means.
+INPUTS = {
+    "grid": (
+        [1, len(CHANNELS), GRID_HEIGHT_PX, GRID_WIDTH_PX],
+        "panokit.expand.features.grid_features",
+    ),
+    "features": (
+        [1, "count", COMPONENT_FEATURES],
+        "panokit.expand.component_features, one row of zeros where nothing is burnt out",
+    ),
+}
+OUTPUTS = {
+    "log_gain": (
+        [3, GRID_HEIGHT_PX, GRID_WIDTH_PX],
+        "log of the true over the shown radiance of burnt-out pixels, per channel",
+    ),
+    "slopes": ([2], "of the camera's response, in the dark and at white"),
+    "component_gain": (["count"], "log of the true over the shown luminance of each component"),
+    "sun": (["count"], "probability that the component is the sun"),
+}
 
 
-def release(
-    recipe: Recipe, gain: GainEnsemble, components: ComponentEnsemble, folder: Path
-) -> None:
-    """Write the networks and `model.toml`, which comes last.
+def release(recipe: Recipe, network: ExpansionNet, folder: Path) -> None:
+    """Write the network and `model.toml`, which comes last.
 
     Raises:
         ModelError: If ONNX Runtime does not give what torch gives.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    grid = torch.rand(2, len(CHANNELS), GRID_HEIGHT_PX, GRID_WIDTH_PX)
-    rows = torch.rand(2, 5, COMPONENT_FEATURES)
-    batch, count = torch.export.Dim("batch"), torch.export.Dim("count")
-    export(gain, {"grid": grid}, ("log_gain", "slopes"), {0: batch}, folder / _GAIN_FILE)
-    export(
-        components,
-        {"features": rows},
-        ("log_gain",),
-        {0: batch, 1: count},
-        folder / _COMPONENT_FILE,
-    )
+    example = {
+        "grid": torch.rand(1, len(CHANNELS), GRID_HEIGHT_PX, GRID_WIDTH_PX),
+        "features": torch.rand(1, 5, COMPONENT_FEATURES),
+    }
+    count = torch.export.Dim("count")
+    export(network, example, tuple(OUTPUTS), {1: count}, folder / _FILE, only="features")
     write_bytes(folder / "model.toml", _description(recipe, folder).encode())
 
 
@@ -58,6 +70,8 @@ def export(
     outputs: tuple[str, ...],
     dynamic: Mapping[int, Any],
     path: Path,
+    *,
+    only: str = "",
 ) -> None:
     """Write one network as ONNX and check that it computes the same.
 
@@ -67,6 +81,7 @@ def export(
         outputs: Their names, in order.
         dynamic: Axis -> dimension, of every input.
         path: Of the .onnx file.
+        only: The one input that has these dimensions, if not every one has.
 
     Raises:
         ModelError: If ONNX Runtime does not give what torch gives.
@@ -80,7 +95,9 @@ def export(
             tuple(example.values()),
             input_names=list(example),
             output_names=list(outputs),
-            dynamic_shapes=tuple(dict(dynamic) for _ in example),
+            dynamic_shapes=tuple(
+                {} if only not in ("", name) else dict(dynamic) for name in example
+            ),
             dynamo=True,
             external_data=False,
             verbose=False,
@@ -109,32 +126,29 @@ def _check_parity(
 
 
 def _description(recipe: Recipe, folder: Path) -> str:
-    networks = {
-        "gain": (_GAIN_FILE, ["grid"], ["log_gain", "slopes"]),
-        "components": (_COMPONENT_FILE, ["features"], ["log_gain"]),
-    }
+    sha256 = hashlib.sha256((folder / _FILE).read_bytes()).hexdigest()
     lines = [
         f'id = "{recipe.id}"',
         f'task = "{recipe.task}"',
         'license = "CC0-1.0"',
         'description = "Light beyond clipping from one LDR panorama"',
         f'features_version = "{FEATURES_VERSION}"',
+        "",
+        "[files.expansion]",
+        f'name = "{_FILE}"',
+        f'sha256 = "{sha256}"',
+        f"inputs = {json.dumps(list(INPUTS))}",
+        f"outputs = {json.dumps(list(OUTPUTS))}",
     ]
-    for role, (name, inputs, outputs) in networks.items():
-        sha256 = hashlib.sha256((folder / name).read_bytes()).hexdigest()
+    for name, (shape, meaning) in (INPUTS | OUTPUTS).items():
         lines += [
             "",
-            f"[files.{role}]",
-            f'name = "{name}"',
-            f'sha256 = "{sha256}"',
-            f"inputs = {_toml_list(inputs)}",
-            f"outputs = {_toml_list(outputs)}",
+            f"[tensors.{name}]",
+            'type = "float32"',
+            f"shape = {json.dumps(shape)}",
+            f'meaning = "{meaning}"',
         ]
     return "\n".join(lines) + "\n"
-
-
-def _toml_list(names: list[str]) -> str:
-    return "[" + ", ".join(f'"{name}"' for name in names) + "]"
 
 
 class _quiet_exporter:  # noqa: N801

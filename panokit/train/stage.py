@@ -7,11 +7,11 @@ from typing import Any
 
 from panokit.io.files import write_json
 from panokit.train.area_rule import fit_area_rule
-from panokit.train.crossval import FOLDS, ScoreRow, judge_fold, train_fold
+from panokit.train.crossval import ScoreRow, judge_fold, train_fold
 from panokit.train.ensemble import train_ensemble
 from panokit.train.examples import Examples, load_examples, make_examples, save_examples
-from panokit.train.probes import TrainingProbe, check_rights, read_probes
-from panokit.train.recipe import Recipe, read_recipe
+from panokit.train.probes import FOLDS, TrainingProbe, check_rights, read_probes
+from panokit.train.recipe import DataRecipe, Recipe, read_recipe
 from panokit.train.release import release
 from panokit.train.report import summarize
 
@@ -46,9 +46,10 @@ def train(
     recipe = read_recipe(recipe_path)
     probes = read_probes(probes_folder)
     check_rights(probes, own_right)
-    examples = cached_examples(probes, recipe, work, processes=processes)
-    networks = train_ensemble(examples, recipe, work / "all")
-    release(recipe, *networks, recipe_path.parent)
+    examples = cached_examples(probes, recipe.data, work, processes=processes)
+    own = _component_examples(probes, recipe, work, processes)
+    network = train_ensemble(examples, recipe, work / "all", component_examples=own)
+    release(recipe, network, recipe_path.parent)
     logger.info("area rule fitted to all probes: %s", fit_area_rule(examples))
     return recipe_path.parent
 
@@ -82,10 +83,11 @@ def cross_validate(
         recipe = recipe.model_copy(update={"network": network})
     probes = read_probes(probes_folder)
     check_rights(probes, own_right)
-    examples = cached_examples(probes, recipe, work, processes=processes)
+    examples = cached_examples(probes, recipe.data, work, processes=processes)
+    own = _component_examples(probes, recipe, work, processes)
     rows: list[ScoreRow] = []
     for fold in range(FOLDS):
-        model = train_fold(probes, examples, recipe, fold, work)
+        model = train_fold(probes, examples, recipe, fold, work, component_examples=own)
         rows += judge_fold(probes, examples, fold, model)
         logger.info("fold %d of %d judged", fold + 1, FOLDS)
     write_json(recipe_path.parent / "metrics.json", metrics_record(recipe, rows))
@@ -93,14 +95,22 @@ def cross_validate(
 
 
 def cached_examples(
-    probes: Sequence[TrainingProbe], recipe: Recipe, work: Path, *, processes: int = 1
+    probes: Sequence[TrainingProbe], recipe: DataRecipe, work: Path, *, processes: int = 1
 ) -> Examples:
     """The recipe's examples, made once and kept in `work`."""
-    path = work / f"examples-{recipe.data.digest[:12]}.npz"
+    path = work / f"examples-{recipe.digest[:12]}.npz"
     if not path.exists():
         work.mkdir(parents=True, exist_ok=True)
-        save_examples(make_examples(probes, recipe.data, processes=processes), path)
+        save_examples(make_examples(probes, recipe, processes=processes), path)
     return load_examples(path)
+
+
+def _component_examples(
+    probes: Sequence[TrainingProbe], recipe: Recipe, work: Path, processes: int
+) -> Examples | None:
+    if recipe.component_data is None:
+        return None
+    return cached_examples(probes, recipe.component_data, work, processes=processes)
 
 
 def metrics_record(recipe: Recipe, rows: Sequence[ScoreRow]) -> dict[str, Any]:

@@ -60,10 +60,31 @@ def test_the_component_network_ignores_order_and_padding():
     padded = torch.cat([rows, torch.zeros(1, 3, 60)], dim=1)
     order = [3, 0, 4, 1, 2]
     with torch.inference_mode():
-        plain = network(rows)
-        assert torch.allclose(network(rows[:, order]), plain[:, order], atol=1e-5)
-        assert torch.allclose(network(padded)[:, :5], plain, atol=1e-5)
-    assert float(plain.min()) >= 0
+        for plain, turned, more in zip(
+            network(rows), network(rows[:, order]), network(padded), strict=True
+        ):
+            assert torch.allclose(turned, plain[:, order], atol=1e-5)
+            assert torch.allclose(more[:, :5], plain, atol=1e-5)
+        assert float(network(rows)[0].min()) >= 0
+
+
+def expansion_net():
+    from panokit.networks.component_net import ComponentEnsemble, ComponentNet
+    from panokit.networks.expansion_net import ExpansionNet
+    from panokit.networks.gain_net import GainEnsemble, GainNet
+
+    gain, components = GainEnsemble([GainNet()]), ComponentEnsemble([ComponentNet(60)])
+    return ExpansionNet(gain, components).eval()
+
+
+def test_the_whole_network_turns_with_its_input_by_4_cells():
+    network, grid, rows = expansion_net(), torch.rand(1, 16, 64, 128), torch.rand(1, 3, 60)
+    with torch.inference_mode():
+        first, slopes, gain, sun = network(grid, rows)
+        by_four = network(grid.roll(20, dims=-1), rows)[0]
+    assert (first.shape, slopes.shape, gain.shape, sun.shape) == ((3, 64, 128), (2,), (3,), (3,))
+    assert torch.allclose(by_four, first.roll(20, dims=-1), atol=1e-5)
+    assert 0 < float(sun.min()) < float(sun.max()) < 1
 
 
 def test_the_curve_is_the_same_in_torch_and_numpy():
