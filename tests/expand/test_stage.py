@@ -76,3 +76,26 @@ def test_a_big_panorama_is_worked_on_in_strips(capture):
     tracemalloc.stop()
     # All 11 planes of the whole picture would be 370 MB.
     assert peak < 200e6
+
+
+def test_each_component_has_a_gain_within_its_range(lamps, capture):
+    values = expand(panorama(lamps, capture), ExpandSettings(width_px=256)).provenance.steps[-1]
+    gains, ranges = values.values["component_gains"], values.values["component_gain_ranges"]
+    assert len(gains) == len(ranges) == 3
+    for gain, (low, high) in zip(gains, ranges, strict=True):
+        assert 0.9 < low <= gain <= high
+
+
+def test_the_record_lists_lights_and_harmonics_in_the_unit_of_the_map(lamps, capture):
+    plain, bright = (
+        expand(panorama(lamps, capture), ExpandSettings(width_px=256, anchor_white_cd_m2=white))
+        for white in (1, 50)
+    )
+    first, second = (
+        result.provenance.last("expand").values["lighting"] for result in (plain, bright)
+    )
+    assert len(first["lights"]) >= 1
+    for a, b in zip(first["lights"], second["lights"], strict=True):
+        assert 50 * np.array(a["energy_rgb"]) == pytest.approx(np.array(b["energy_rgb"]), rel=1e-3)
+    rgb = np.array(first["harmonics"]["rgb"])
+    assert 50 * rgb == pytest.approx(np.array(second["harmonics"]["rgb"]), rel=1e-3, abs=1e-3)
