@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from panokit.metrics.irradiance_error import irradiance_axis_errors as irradiance_axis_errors
     from panokit.metrics.irradiance_error import irradiance_sh_error as irradiance_sh_error
     from panokit.metrics.light_blobs import LightBlob as LightBlob
-    from panokit.metrics.light_blobs import find_lights as find_lights
+    from panokit.metrics.light_blobs import find_light_blobs as find_light_blobs
     from panokit.metrics.light_direction import (
         light_direction_error_deg as light_direction_error_deg,
     )
@@ -141,7 +141,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "dssim_of_maps": "panokit.metrics.similarity",
         "energy_ratio": "panokit.metrics.lighting",
         "envmapnet_lights": "panokit.metrics.envmapnet",
-        "find_lights": "panokit.metrics.light_blobs",
+        "find_light_blobs": "panokit.metrics.light_blobs",
         "frechet_distance": "panokit.metrics.frechet",
         "glossy_ball": "panokit.metrics.balls",
         "has_dominant_light": "panokit.metrics.brightest",

@@ -61,7 +61,7 @@ class LightBlob:
         return float(luminance(self.energy))
 
 
-def find_lights(radiance: Radiance) -> tuple[LightBlob, ...]:
+def find_light_blobs(radiance: Radiance) -> tuple[LightBlob, ...]:
     """The lights of a map, strongest first; empty if its light is everywhere.
 
     Args:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from panokit.errors import UsageError
 from panokit.frames import angle_between
 from panokit.metrics.envmapnet import envmapnet_lights
-from panokit.metrics.light_blobs import find_lights
+from panokit.metrics.light_blobs import find_light_blobs
 from panokit.metrics.pairs import Radiance, radiance_pair
 
 Variant = Literal["compat", "fixed"]
@@ -57,7 +57,7 @@ def light_direction_error_deg(
         return nearest_angle_deg(guess[:shared], true[:shared])
     if variant == "fixed":
         guess, true = (
-            np.array([blob.direction for blob in find_lights(m)[:MOST_LIGHTS]]).reshape(-1, 3)
+            np.array([blob.direction for blob in find_light_blobs(m)[:MOST_LIGHTS]]).reshape(-1, 3)
             for m in (estimate, truth)
         )
         return nearest_angle_deg(guess, true)

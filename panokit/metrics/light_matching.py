@@ -14,7 +14,7 @@ from scipy.optimize import linear_sum_assignment
 
 from panokit.errors import UsageError
 from panokit.frames import angle_between
-from panokit.metrics.light_blobs import LightBlob, find_lights
+from panokit.metrics.light_blobs import LightBlob, find_light_blobs
 from panokit.metrics.pairs import Radiance, radiance_pair
 
 MOST_LIGHTS = 5
@@ -68,7 +68,7 @@ def light_errors(
             f"At least one light and a gate of 0 to 180 degrees are needed, not {most} and "
             f"{gate_deg}."
         )
-    guess, true = find_lights(estimate)[:most], find_lights(truth)[:most]
+    guess, true = find_light_blobs(estimate)[:most], find_light_blobs(truth)[:most]
     pairs = match_lights(guess, true, gate_deg=gate_deg)
 
     def mean(values: list[float]) -> float:

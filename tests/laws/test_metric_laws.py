@@ -13,7 +13,7 @@ from panokit.metrics import (
     dominance_ratio,
     dssim_of_maps,
     energy_ratio,
-    find_lights,
+    find_light_blobs,
     irradiance_sh_error,
     l1,
     light_direction_error_deg,
@@ -134,7 +134,7 @@ def test_a_rotation_of_both_maps_changes_little(rotation, seed):
     assert light_direction_error_deg(*turned) == pytest.approx(
         light_direction_error_deg(a, b), abs=1.5
     )
-    assert len(find_lights(turned[0])) == len(find_lights(a))
+    assert len(find_light_blobs(turned[0])) == len(find_light_blobs(a))
 
 
 def test_a_row_at_the_pole_weighs_less_than_one_at_the_horizon():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from panokit.metrics import find_lights
+from panokit.metrics import find_light_blobs
 from panokit.metrics.envmapnet import envmapnet_lights
 
 
@@ -31,9 +31,9 @@ def test_a_lamp_is_where_its_center_is_in_the_axes_of_the_code():
 def test_a_red_lamp_is_no_light_beside_a_blue_one():
     radiance = night((40, 60, (90, 90, 0)), (80, 200, (0, 0, 1)))
     assert len(envmapnet_lights(radiance)) == 1
-    assert len(find_lights(radiance)) == 1
+    assert len(find_light_blobs(radiance)) == 1
     # The corrected extraction finds the bright one, the published code the blue one.
-    assert find_lights(radiance)[0].energy[0] > 0.1
+    assert find_light_blobs(radiance)[0].energy[0] > 0.1
     (direction,) = envmapnet_lights(radiance)
     assert np.degrees(np.arccos(direction[2])) == pytest.approx(80.5 / 128 * 180, abs=0.5)
 
@@ -45,13 +45,13 @@ def test_a_lamp_across_the_seam_is_two_or_none():
     # Halves of one brightness carry one number and are dropped as a band round the map.
     assert len(envmapnet_lights(equal)) == 0
     assert len(envmapnet_lights(unequal)) == 2
-    assert len(find_lights(equal)) == len(find_lights(unequal)) == 1
+    assert len(find_light_blobs(equal)) == len(find_light_blobs(unequal)) == 1
 
 
 def test_two_equal_lamps_far_apart_are_dropped():
     radiance = night((64, 20, (5, 5, 5)), (64, 180, (5, 5, 5)))
     assert len(envmapnet_lights(radiance)) == 0
-    assert len(find_lights(radiance)) == 2
+    assert len(find_light_blobs(radiance)) == 2
 
 
 def test_a_lamp_at_the_zenith_is_dark():
@@ -60,14 +60,14 @@ def test_a_lamp_at_the_zenith_is_dark():
     found = envmapnet_lights(radiance)
     assert len(found) == 1
     assert abs(found[0][2]) < 0.1  # the horizon's, not the three times brighter one above
-    assert find_lights(radiance)[0].direction[1] > 0.99
+    assert find_light_blobs(radiance)[0].direction[1] > 0.99
 
 
 def test_lights_come_in_scan_order_not_by_strength():
     radiance = night((30, 50, (1, 1, 1)), (60, 150, (2, 2, 2)))
     found = envmapnet_lights(radiance)
     assert found[0][2] > found[1][2]
-    assert find_lights(radiance)[0].strength > find_lights(radiance)[1].strength
+    assert find_light_blobs(radiance)[0].strength > find_light_blobs(radiance)[1].strength
 
 
 def test_a_black_map_has_no_lights():
