@@ -25,7 +25,7 @@ class ExpandNetRecipe(Settings):
     shots_per_probe: int = Field(default=4, ge=1)
     """Pictures taken of each probe with random exposures and curves."""
 
-    steps: int = Field(default=2000, ge=1)
+    steps: int = Field(default=1700, ge=1)
     """Optimizer steps. The published training has 840,000."""
 
     batch: int = Field(default=4, ge=1)
@@ -41,7 +41,7 @@ class ExpandNetRecipe(Settings):
     """Side of the largest crop."""
 
     learning_rate: float = Field(default=3e-4, gt=0)
-    """Of Adam, constant; 7e-5 in the publication, which has 400 times the steps."""
+    """Of Adam, constant; 7e-5 in the publication, which has 500 times the steps."""
 
     seed: int = 0
     """Of the weights, the pictures and the crops."""
