@@ -6,7 +6,7 @@ from pydantic import Field
 
 from panokit.settings import Settings
 
-VERSION = "1"
+VERSION = "2"
 
 
 class CitySettings(Settings):

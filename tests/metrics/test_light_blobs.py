@@ -37,8 +37,6 @@ def test_seam_and_poles_are_places_like_others(place):
 def test_lights_come_strongest_first():
     three = ((0, 40, 8, (1, 1, 1)), (90, 0, 8, (3, 3, 3)), (-90, 0, 8, (2, 2, 2)))
     blobs = find_light_blobs(lamps(*three))
-        lamps((0, 40, 8, (1, 1, 1)), (90, 0, 8, (3, 3, 3)), (-90, 0, 8, (2, 2, 2)))
-    )
     ratios = [blob.strength / blobs[-1].strength for blob in blobs]
     assert ratios == pytest.approx([3, 2, 1], rel=0.05)
 
