@@ -66,7 +66,7 @@ class LogCoding:
         return cls(median * _DARK_SHARE, _MEDIAN_LEVEL / float(np.log1p(1 / _DARK_SHARE)))
 
     def encode(self, values: NDArray[Any]) -> NDArray[np.float32]:
-        """Levels; a lamp ten thousand times brighter than its surroundings has 450."""
+        """Levels; a lamp ten thousand times brighter than its surroundings has 465."""
         scaled = np.asarray(values, np.float32) / np.float32(self.dark)
         return np.asarray(np.float32(self.per_e) * np.log1p(scaled), np.float32)
 

@@ -8,13 +8,14 @@ from panokit.inpaint.labeling import Copies, visible
 
 # How much of the slow changes of light counts when copies are compared: they are evened out
 # afterwards.
-_SLOW_SHARE = 0.5
-_SLOW_PX = 12
+_SLOW_SHARE = 0.3
+_SLOW_PX = 5
 _SOFT_PX = 1.5
 _SOFT_SHARE = 0.7
 _ROUGHNESS_SHARE = 1.0
 # In gray levels, for each pixel of a seam.
 _SEAM = 2.0
+_LINES_SHARE = 0.9
 _GUIDE_SHARE = 0.1
 
 
@@ -41,6 +42,12 @@ def make_features(coarse: NDArray[np.float32], hole: NDArray[np.bool_]) -> NDArr
     return np.dstack([third * color, _SOFT_SHARE * third * soft, _ROUGHNESS_SHARE * rough]).astype(
         np.float32
     )
+
+
+def fine_features(features: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Of features the color without its slow changes, (N, N, 3): joints, cracks and grain."""
+    color = features[..., :3]
+    return np.asarray(color - np.float32(_LINES_SHARE) * _soft(color, _SLOW_PX), np.float32)
 
 
 def _soft(values: NDArray[np.float32], reach_px: float) -> NDArray[np.float32]:

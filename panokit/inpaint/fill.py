@@ -48,9 +48,9 @@ class Filler:
     """How holes are filled.
 
     Attributes:
-        method: "texture", "smooth", "model" or one of OpenCV's.
+        method: "texture", "smooth", "network" or one of OpenCV's.
         rim: Width of the band around a hole in which the filling fades out, in radians.
-        network: For "model": a view in gray levels and what of it is a hole -> filled.
+        network: For "network": a view in gray levels and what of it is a hole -> filled.
     """
 
     method: str
@@ -141,7 +141,7 @@ def _filling(
     # The filling goes on under the rim, so that there is something to fade into.
     fixed = known & (away_px >= rim_px)
     if filler.network is not None:
-        return _at_size(filler.network, view, fixed, _NETWORK_PX), "model"
+        return _at_size(filler.network, view, fixed, _NETWORK_PX), "network"
     if filler.method in OPENCV_METHODS:
         return drawn_by_opencv(view, fixed, filler.method), filler.method
     if region.radius <= _SPECK:

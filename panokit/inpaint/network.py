@@ -33,9 +33,7 @@ class InpaintingNetwork:
 
     def __init__(self, path: Path) -> None:
         if not path.is_file():
-            raise UsageError(
-                f"There is no {path}. --model-file takes an inpainting network, .onnx."
-            )
+            raise UsageError(f"There is no {path}. --network takes an inpainting network, .onnx.")
         self._session = Session(path)
         if len(self._session.inputs) != 2:
             raise ModelError(

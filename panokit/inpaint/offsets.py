@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy import fft
 
 _SECTORS = 12
-_PER_SECTOR = 4
-_ALL_ROUND = 12
+_PER_SECTOR = 3
+_ALL_ROUND = 8
 # Of the pixels of the band and of the hole behind it, what a shift must be able to serve.
 _LEAST_BAND, _LEAST_HOLE = 0.6, 0.55
 # A shift as long as the hole is wide may fit worse by this much, in gray levels.

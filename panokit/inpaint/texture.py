@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from panokit.inpaint.adjust import adjusted_offsets
-from panokit.inpaint.copies import follow, make_copies, make_features
+from panokit.inpaint.copies import fine_features, follow, make_copies, make_features
 from panokit.inpaint.labeling import best_labels
 from panokit.inpaint.membrane import membrane
 from panokit.inpaint.offsets import candidate_offsets
@@ -31,7 +31,7 @@ _BAND_PX = 6
 _LEAST_KNOWN = 0.1
 # In gray levels, per pixel that looks like nothing around the hole, or is the only one so.
 _STRANGE = 1.0
-_UNIQUE = 0.4
+_UNIQUE = 0.1
 
 
 def texture(picture: NDArray[np.float32], known: NDArray[np.bool_]) -> NDArray[np.float32] | None:
@@ -103,7 +103,10 @@ def _shifts(
     hole = ~known
     source = known & ~highlights(coarse, known)
     features = make_features(coarse, hole)
-    offsets = tried + candidate_offsets(features, hole, source, _BAND_PX)
+    # Shifts that fit in color, and those that fit in lines whatever the color.
+    lines = fine_features(features)
+    fitting = [candidate_offsets(each, hole, source, _BAND_PX) for each in (lines, features)]
+    offsets = list(dict.fromkeys([*tried, *fitting[0], *fitting[1]]))
     if not offsets:
         return None
     number = np.full(hole.shape, -1)
