@@ -119,6 +119,9 @@ def _main_table(camera: str, columns: dict[str, Any]) -> list[str]:
     table = [f"| figure | goal | {' | '.join(names)} |", "|---" * (len(names) + 2) + "|"]
     counts = [str(column["pictures"]) for column in columns.values()]
     table.append(f"| pictures | | {' | '.join(counts)} |")
+    strong = [column["figures"]["strong_energy_median"] for column in columns.values()]
+    counts = [str(figure["n"] if figure else 0) for figure in strong]
+    table.append(f"| of them with a strong source | | {' | '.join(counts)} |")
     for line in LINES:
         figures = [column["figures"][line.key] for column in columns.values()]
         if any(figure is not None for figure in figures):
