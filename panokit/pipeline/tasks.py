@@ -133,7 +133,8 @@ def _inpaint(task: StageTask, key: str) -> Mapping[str, Any]:
     filled = inpaint(panorama, settings, mask)
     provenance = filled.provenance.with_inputs(task.inputs())
     # Where nothing was filled nothing is encoded anew: a JPEG gets worse each time.
-    same = filled.pixels is panorama.pixels and task.source.suffix.lower() in (".jpg", ".jpeg")
+    unchanged = np.shares_memory(filled.pixels, panorama.pixels)
+    same = unchanged and task.source.suffix.lower() in (".jpg", ".jpeg")
     write_panorama(
         filled.with_changes(provenance=provenance),
         task.target,
