@@ -35,6 +35,7 @@ def find_scale(
     settings: ExpandSettings,
     frame: Frame,
     capture: Capture | None,
+    hint: NDArray[np.float64] | None = None,
 ) -> Scale:
     """The scale that the settings' anchor gives to a map.
 
@@ -43,6 +44,7 @@ def find_scale(
         settings: With at most one anchor.
         frame: Of the map; sky and sun need one that is level.
         capture: Of the panorama.
+        hint: Where a model says that the sun is; see `panokit.expand.lighting.find_sun`.
 
     Raises:
         ImageError: If the map has not what the anchor speaks of.
@@ -55,10 +57,10 @@ def find_scale(
         factor = settings.anchor_sky_cd_m2 / sky_luminance(radiance, frame)
         return Scale(factor=factor, anchor=Anchor.LUMINANCE, by="anchor_sky_cd_m2")
     if settings.anchor_sun_lx is not None:
-        factor = settings.anchor_sun_lx / _sun_light(radiance, frame, capture)
+        factor = settings.anchor_sun_lx / _sun_light(radiance, frame, capture, hint)
         return Scale(factor=factor, anchor=Anchor.LUMINANCE, by="anchor_sun_lx")
     if settings.anchor_sun_w_m2 is not None:
-        factor = settings.anchor_sun_w_m2 / _sun_light(radiance, frame, capture)
+        factor = settings.anchor_sun_w_m2 / _sun_light(radiance, frame, capture, hint)
         return Scale(factor=factor, anchor=Anchor.RADIANCE, by="anchor_sun_w_m2")
     return Scale()
 
@@ -91,10 +93,16 @@ def sky_luminance(radiance: NDArray[np.float32], frame: Frame) -> float:
     return mean
 
 
-def _sun_light(radiance: NDArray[np.float32], frame: Frame, capture: Capture | None) -> float:
-    _check_level(frame, "sun")
+def _sun_light(
+    radiance: NDArray[np.float32],
+    frame: Frame,
+    capture: Capture | None,
+    hint: NDArray[np.float64] | None,
+) -> float:
+    if hint is None:
+        _check_level(frame, "sun")
     lights: LightList = find_lights(radiance)
-    sun = find_sun(radiance, lights, frame, capture)
+    sun = find_sun(radiance, lights, frame, capture, hint)
     if sun is None:
         raise ImageError(
             "No sun was found in this map, so its light cannot fix the scale. Use "

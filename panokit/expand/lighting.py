@@ -1,9 +1,10 @@
 """What a lighting artist asks of a map, as figures for its record: lights, sun, harmonics.
 
-The sun is told in two ways. Where the capture says when and where it was taken and the map's
+The sun is told in three ways. Where the capture says when and where it was taken and the map's
 north is known, it is the light within 10 degrees of where the sun then stood ("ephemeris").
-Elsewhere it is a small light that dominates under a lit blue sky ("appearance"). Suns
-behind leaves or haze are missed that way, on purpose: a lamp taken for the sun is worse.
+Else, a model that looks for suns may have found it ("network"). Elsewhere it is a small light
+that dominates under a lit blue sky ("appearance"); suns behind leaves or haze are missed that
+way, on purpose: a lamp taken for the sun is worse.
 """
 
 from collections.abc import Mapping
@@ -33,6 +34,8 @@ _LOWEST_DEG, _HIGHEST_DEG = 1.0, 80.0
 _LEAST_KEY_TO_FILL = 0.5
 # This share of a sun's light, glare and all, comes from so near its middle.
 _CORE_DEG, _LEAST_CORE = 6.0, 0.1
+# How sure a model must be that it sees the sun.
+_LEAST_PROBABILITY = 0.5
 _DIGITS = 6
 _SKY_WIDTH_PX = 256
 # Medians above the horizon: over the ground's luminance, and blue over red.
@@ -47,7 +50,7 @@ class Sun:
     Attributes:
         direction: (3,) toward it, in the map's frame.
         irradiance: (3,) RGB that it gives to a surface that faces it, in the map's unit x sr.
-        evidence: "ephemeris" or "appearance", see the module.
+        evidence: "ephemeris", "network" or "appearance", see the module.
     """
 
     direction: NDArray[np.float64]
@@ -66,7 +69,11 @@ class Sun:
 
 
 def find_sun(
-    radiance: NDArray[np.float32], lights: LightList, frame: Frame, capture: Capture | None
+    radiance: NDArray[np.float32],
+    lights: LightList,
+    frame: Frame,
+    capture: Capture | None,
+    hint: NDArray[np.float64] | None = None,
 ) -> Sun | None:
     """The sun among the lights of a map, or None where there is none to be sure of.
 
@@ -75,23 +82,40 @@ def find_sun(
         lights: Of the map.
         frame: Of the map; the sky is up only where it is level.
         capture: Of the panorama, which may know time and place.
+        hint: (3,) where a model says that the sun is, or None.
     """
-    if frame is Frame.CAMERA:
-        return None
     known = _known_direction(frame, capture)
     if known is not None:
-        near = [
-            light for light in lights.lights if _degrees(light.direction, known) < _NEAR_SUN_DEG
-        ]
-        if not near or known[1] <= 0:
-            return None
-        return Sun(direction=known, irradiance=near[0].irradiance, evidence="ephemeris")
+        return _sun_at(known, lights, "ephemeris") if known[1] > 0 else None
+    hinted = None if hint is None else _sun_at(hint, lights, "network")
+    if hinted is not None or frame is Frame.CAMERA:
+        return hinted
     light = lights.primary
     if light is None or not _looks_like_sun(light, lights):
         return None
     if not (_is_small(radiance, light) and _is_day(radiance)):
         return None
     return Sun(direction=light.direction, irradiance=light.irradiance, evidence="appearance")
+
+
+def sun_hint(
+    radiance: NDArray[np.float32], labels: NDArray[np.int32], probability: NDArray[np.floating]
+) -> NDArray[np.float64] | None:
+    """Where a model says that the sun is: the middle of a component's light, (3,), or None.
+
+    Args:
+        radiance: (H, W, 3), linear.
+        labels: (H, W), k + 1 in component k.
+        probability: (K,), that component k is the sun.
+    """
+    if not len(probability) or float(probability.max()) < _LEAST_PROBABILITY:
+        return None
+    inside = labels == int(np.argmax(probability)) + 1
+    height, width = labels.shape
+    light = luminance(radiance) * inside * row_solid_angles(height, width)[:, None]
+    middle = np.tensordot(light, equirect_directions(width, height), axes=2)
+    length = float(np.linalg.norm(middle))
+    return np.asarray(middle / length, np.float64) if length > 0 else None
 
 
 def describe_lighting(
@@ -101,6 +125,7 @@ def describe_lighting(
     *,
     most_lights: int,
     harmonics_order: int,
+    hint: NDArray[np.float64] | None = None,
 ) -> Mapping[str, Any]:
     """Lights, sun and harmonics of a map, for its record.
 
@@ -110,9 +135,10 @@ def describe_lighting(
         capture: Of the panorama, or None.
         most_lights: How many lights are listed.
         harmonics_order: Highest degree.
+        hint: Where a model says that the sun is; see `find_sun`.
     """
     lights = find_lights(radiance, most=max(most_lights, 1))
-    sun = find_sun(radiance, lights, frame, capture)
+    sun = find_sun(radiance, lights, frame, capture, hint)
     primary = lights.primary
     return {
         "lights": [_light_json(light, lights) for light in lights.lights[:most_lights]],
@@ -136,6 +162,15 @@ def _known_direction(frame: Frame, capture: Capture | None) -> NDArray[np.float6
     if capture.latitude_deg is None or capture.longitude_deg is None:
         return None
     return sun_direction(capture.latitude_deg, capture.longitude_deg, capture.time)
+
+
+def _sun_at(direction: NDArray[np.float64], lights: LightList, evidence: str) -> Sun | None:
+    near = [
+        light for light in lights.lights if _degrees(light.direction, direction) < _NEAR_SUN_DEG
+    ]
+    if not near:
+        return None
+    return Sun(direction=direction, irradiance=near[0].irradiance, evidence=evidence)
 
 
 def _looks_like_sun(light: Light, lights: LightList) -> bool:

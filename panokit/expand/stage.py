@@ -12,7 +12,7 @@ from panokit.errors import ImageError, ModelError
 from panokit.expand.anchoring import find_scale
 from panokit.expand.baselines import expand_area, expand_reinhard, expand_srgb
 from panokit.expand.features import CONTRAST_WIDTH_PX
-from panokit.expand.lighting import describe_lighting
+from panokit.expand.lighting import describe_lighting, sun_hint
 from panokit.expand.network import Prediction, compose, load_network, predict
 from panokit.expand.reduce import ReducedPanorama, reduce_panorama
 from panokit.expand.settings import VERSION, ExpandSettings
@@ -57,9 +57,9 @@ def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> Enviro
     working_px = min(max(width_px, CONTRAST_WIDTH_PX), panorama.width_px)
     reduced = reduce_panorama(panorama.pixels, working_px)
     _check_clear(reduced)
-    radiance, found = _expanded(reduced, settings.model)
+    radiance, found, hint = _expanded(reduced, settings.model)
     radiance = resize_radiance(radiance, width_px)
-    scale = find_scale(radiance, settings, panorama.frame, panorama.capture)
+    scale = find_scale(radiance, settings, panorama.frame, panorama.capture, hint)
     if scale.by:
         radiance = np.asarray(radiance * np.float32(scale.factor), np.float32)
     lighting = describe_lighting(
@@ -68,6 +68,7 @@ def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> Enviro
         panorama.capture,
         most_lights=settings.most_lights,
         harmonics_order=settings.harmonics_order,
+        hint=hint,
     )
     step = Step(
         stage="expand",
@@ -111,10 +112,12 @@ def weights_digest(model: str) -> str:
     return find_model(model).digest
 
 
-def _expanded(reduced: ReducedPanorama, model: str) -> tuple[NDArray[np.float32], dict[str, Any]]:
-    """Radiance, and what the model found."""
+def _expanded(
+    reduced: ReducedPanorama, model: str
+) -> tuple[NDArray[np.float32], dict[str, Any], NDArray[np.float64] | None]:
+    """Radiance, what the model found, and where it sees the sun."""
     if model in ANALYTIC:
-        return ANALYTIC[model](reduced), {}
+        return ANALYTIC[model](reduced), {}, None
     network = load_network(model)
     prediction = predict(reduced, network)
     gains = prediction.energy[1:] / prediction.components.energy
@@ -122,8 +125,10 @@ def _expanded(reduced: ReducedPanorama, model: str) -> tuple[NDArray[np.float32]
         "curve_slopes": [round(slope, 4) for slope in prediction.curve_slopes],
         "component_gains": [round(float(gain), 3) for gain in gains],
         "component_gain_ranges": _gain_ranges(prediction),
+        "component_sun": [round(float(p), 3) for p in prediction.sun],
     }
-    return compose(reduced, prediction), found
+    radiance = compose(reduced, prediction)
+    return radiance, found, sun_hint(radiance, prediction.components.labels, prediction.sun)
 
 
 def _gain_ranges(prediction: Prediction) -> list[list[float]]:

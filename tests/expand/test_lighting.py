@@ -5,7 +5,7 @@ import pytest
 
 from panokit.capture import Capture, TimePrecision, license_from_spdx
 from panokit.color import luminance
-from panokit.expand.lighting import describe_lighting, find_sun
+from panokit.expand.lighting import describe_lighting, find_sun, sun_hint
 from panokit.frames import Frame, angle_between, direction_from_azimuth_elevation
 from panokit.sphere import energy, equirect_directions, find_lights, harmonics_map
 from panokit.sun import SUN_SOLID_ANGLE, sun_direction
@@ -123,3 +123,24 @@ def test_the_analytic_sun_is_as_strong_as_the_real_disk_would_be():
     sun = sun_of(day(toward(70, 35)))
     # A renderer that draws the disk divides by its solid angle.
     assert (sun.irradiance / SUN_SOLID_ANGLE > 1e4).all()
+
+
+def test_a_model_that_sees_the_sun_is_believed_where_there_is_a_light():
+    radiance = night(toward(20, 45))
+    lights = find_lights(radiance)
+    sun = find_sun(radiance, lights, Frame.CAMERA, None, toward(22, 46))
+    assert sun.evidence == "network"
+    assert sun.irradiance == pytest.approx(lights.lights[0].irradiance)
+    assert find_sun(radiance, lights, Frame.LEVEL, None, toward(120, 10)) is None
+
+
+def test_a_hint_is_the_middle_of_the_component_that_is_most_likely_the_sun():
+    sun = toward(70, 35)
+    radiance = day(sun)
+    labels = np.zeros(radiance.shape[:2], np.int32)
+    labels[equirect_directions(512, 256) @ sun > np.cos(np.deg2rad(4))] = 2
+    labels[200:210, 10:20] = 1
+    hint = sun_hint(radiance, labels, np.array([0.1, 0.9]))
+    assert np.degrees(angle_between(hint, sun)) < 0.5
+    assert sun_hint(radiance, labels, np.array([0.1, 0.4])) is None
+    assert sun_hint(radiance, labels, np.zeros(0)) is None
