@@ -32,12 +32,14 @@ class Answer:
         slopes: Of the camera's response, in the dark and at white.
         component_gain: (K,) float32, log gain of each component.
         sun: (K,) float32, probability that a component is the sun.
+        grid_weight: How much the grid counts in the log of a component's energy.
     """
 
     log_gain: NDArray[np.float32]
     slopes: tuple[float, float]
     component_gain: NDArray[np.float32]
     sun: NDArray[np.float32]
+    grid_weight: float = 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,6 +54,7 @@ class Prediction:
             as the grid has it.
         component_energy: (K,) float64, of each component as the component network has it.
         sun: (K,) float32, probability that a component is the sun.
+        grid_weight: How much `grid_energy` counts in the log of a component's energy.
     """
 
     log_gain: NDArray[np.float32]
@@ -60,13 +63,15 @@ class Prediction:
     grid_energy: NDArray[np.float64]
     component_energy: NDArray[np.float64]
     sun: NDArray[np.float32]
+    grid_weight: float = 0.5
 
     @property
     def energy(self) -> NDArray[np.float64]:
-        """(K + 1,): of the light outside the components, and each one's, the geometric mean
-        of what the two networks say.
+        """(K + 1,): of the light outside the components, and each one's, the weighted
+        geometric mean of what the two networks say.
         """  # noqa: D205
-        each = np.sqrt(self.grid_energy[1:] * self.component_energy)
+        weight = self.grid_weight
+        each = self.grid_energy[1:] ** weight * self.component_energy ** (1 - weight)
         return np.concatenate([self.grid_energy[:1], each])
 
 
@@ -101,16 +106,19 @@ class ExpansionNetwork:
         if "expansion" in self._files:
             said = self._files["expansion"].run({"grid": grid[None], "features": rows})
             log_gain, slopes = said["log_gain"], said["slopes"]
-            component_gain, sun = said["component_gain"], said["sun"]
+            component_gain = said["component_gain"]
+            sun = 1 / (1 + np.exp(-np.clip(said["sun_logit"], -30, 30)))
+            weight = float(said["grid_weight"])
         else:
             log_gain, slopes = self._over_rolls(grid)
             component_gain = self._files["components"].run({"features": rows})["log_gain"][0]
-            sun = np.zeros_like(component_gain)
+            sun, weight = np.zeros_like(component_gain), 0.5
         return Answer(
             log_gain=_warm_or_cool(log_gain),
             slopes=(float(slopes[0]), float(slopes[1])),
             component_gain=component_gain[:count],
             sun=sun[:count],
+            grid_weight=weight,
         )
 
     def _over_rolls(
@@ -150,6 +158,7 @@ def predict(reduced: ReducedPanorama, network: ExpansionNetwork) -> Prediction:
         grid_energy=grid_energies(answer.log_gain, reduced, components),
         component_energy=components.energy * np.exp(answer.component_gain),
         sun=answer.sun,
+        grid_weight=answer.grid_weight,
     )
 
 

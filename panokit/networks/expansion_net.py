@@ -17,15 +17,23 @@ class ExpansionNet(nn.Module):
     Inputs: grid (1, 16, 64, 128), `panokit.expand.features.CHANNELS`, and features
     (1, K, F), `panokit.expand.component_features`, K >= 1.
     Outputs: log gain of burnt-out light per channel (3, 64, 128), the two slopes of the
-    response curve (2), log gain of each component (K), probability that it is the sun (K).
+    response curve (2), log gain of each component (K), logit of its being the sun (K), and
+    how much the grid counts in the log of a component's energy, a constant.
     """
 
-    def __init__(self, gain: GainEnsemble, components: ComponentEnsemble) -> None:
+    weight_of_grid: Tensor
+
+    def __init__(
+        self, gain: GainEnsemble, components: ComponentEnsemble, grid_weight: float = 0.5
+    ) -> None:
         super().__init__()
         self.gain = gain
         self.components = components
+        self.register_buffer("weight_of_grid", torch.tensor(float(grid_weight)))
 
-    def forward(self, grid: Tensor, features: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    def forward(
+        self, grid: Tensor, features: Tensor
+    ) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor]:
         """See the class."""
         log_gain, slopes = self.gain(torch.cat([_roll(grid, cells) for cells in ROLLS]))
         back = [_roll(log_gain[i], -cells) for i, cells in enumerate(ROLLS)]
@@ -34,7 +42,9 @@ class ExpansionNet(nn.Module):
             torch.stack(back).mean(dim=0),
             slopes.log().mean(dim=0).exp(),
             component_gain[0],
-            torch.sigmoid(sun)[0],
+            sun[0],
+            # A constant that depends on nothing would not be exported.
+            self.weight_of_grid + 0 * component_gain.sum(),
         )
 
 

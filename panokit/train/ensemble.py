@@ -36,4 +36,5 @@ def train_ensemble(
         train_component_net(component_examples or examples, recipe.components, seed=seed)
         for seed in range(recipe.components.members)
     ]
-    return ExpansionNet(GainEnsemble(gain), ComponentEnsemble(components)).eval()
+    whole = ExpansionNet(GainEnsemble(gain), ComponentEnsemble(components), recipe.grid_weight)
+    return whole.eval()

@@ -100,6 +100,10 @@ class Recipe(Settings):
     data: DataRecipe = DataRecipe()
     """The pictures that the gain networks train on."""
 
+    grid_weight: float = Field(default=0.5, ge=0, le=1)
+    """How much the gain networks count in the log of a component's energy; the component
+    networks are the rest."""
+
     component_data: DataRecipe | None = None
     """The pictures that the component networks train on, if not the same."""
 

@@ -44,7 +44,8 @@ OUTPUTS = {
     ),
     "slopes": ([2], "of the camera's response, in the dark and at white"),
     "component_gain": (["count"], "log of the true over the shown luminance of each component"),
-    "sun": (["count"], "probability that the component is the sun"),
+    "sun_logit": (["count"], "log odds that the component is the sun"),
+    "grid_weight": ([], "how much the grid counts in the log of a component's energy, constant"),
 }
 
 

@@ -15,6 +15,8 @@ COLUMNS: dict[str, tuple[str, Callable[[NDArray[np.float64]], float], int]] = {
     "light vector mean (deg)": ("light_vector_deg", lambda x: float(np.mean(x)), 1),
     "ball RMSE median": ("ball", lambda x: float(np.median(x)), 3),
     "energy median": ("energy_ratio", lambda x: float(np.median(x)), 3),
+    "energy log2 median": ("energy_ratio", lambda x: float(np.median(np.abs(np.log2(x)))), 2),
+    "energy log2 p90": ("energy_ratio", lambda x: float(np.percentile(np.abs(np.log2(x)), 90)), 2),
     "peak median (deg)": ("peak_deg", lambda x: float(np.median(x)), 1),
     "PU21-crf mean (dB)": ("pu21_crf_db", lambda x: float(np.mean(x)), 1),
 }

@@ -69,7 +69,7 @@ def cross_validate(
         recipe_path: models/<id>/recipe.toml.
         probes_folder: With a manifest.csv.
         work: For examples, checkpoints and the folds' models.
-        fold_members: Gain networks in each fold's ensemble; the recipe's own if not given.
+        fold_members: Networks of either kind in each fold; the recipe's own if not given.
             Fewer make the experiment cheaper and its scores a little worse.
         processes: For making the examples.
         own_right: What gives the right to train with probes whose license does not.
@@ -80,7 +80,8 @@ def cross_validate(
     recipe = read_recipe(recipe_path)
     if fold_members is not None:
         network = recipe.network.model_copy(update={"members": fold_members})
-        recipe = recipe.model_copy(update={"network": network})
+        components = recipe.components.model_copy(update={"members": fold_members})
+        recipe = recipe.model_copy(update={"network": network, "components": components})
     probes = read_probes(probes_folder)
     check_rights(probes, own_right)
     examples = cached_examples(probes, recipe.data, work, processes=processes)
@@ -119,6 +120,7 @@ def metrics_record(recipe: Recipe, rows: Sequence[ScoreRow]) -> dict[str, Any]:
         "protocol": "panokit-expansion-1",
         "folds": FOLDS,
         "gain_networks_per_fold": recipe.network.members,
+        "component_networks_per_fold": recipe.components.members,
         "recipe_digest": recipe.digest,
         "summary": summarize(rows),
         "rows": [
