@@ -21,7 +21,7 @@ from panokit.stitch.overlaps import Thumbnail, radius_squared, read_at, visible
 from panokit.stitch.photometry import Photometry
 
 # (longer side of the small copies, width of the grid of directions, steps)
-_STAGES = ((120, 384, 4), (320, 640, 3))
+_STAGES = ((64, 192, 3), (160, 384, 4), (320, 640, 4))
 _PRIOR_DEG = 1.0
 _LEAST_NOISE = 0.004
 _DISPLAY_POWER = 0.45
@@ -78,16 +78,37 @@ def refine_poses(
                     return Refined(tuple(views), np.zeros(len(views)), before, after)
             after = noise
             turns = [turn @ _turn(move) for turn, move in zip(turns, moves, strict=True)]
-    refined = tuple(
-        reposed(view, view.world_from_view @ turn) for view, turn in zip(views, turns, strict=True)
-    )
-    moved = np.rad2deg([turn.angle for turn in turns])
-    return Refined(refined, moved, before, after)
+    common = _common_turn(views, turns)
+    poses = [
+        common.inverse @ view.world_from_view @ turn
+        for view, turn in zip(views, turns, strict=True)
+    ]
+    refined = tuple(reposed(view, pose) for view, pose in zip(views, poses, strict=True))
+    moved = [
+        (view.world_from_view.inverse @ pose).angle for view, pose in zip(views, poses, strict=True)
+    ]
+    return Refined(refined, np.rad2deg(moved), before, after)
 
 
 def stage_sizes() -> tuple[tuple[int, int, int], ...]:
     """(longer side of the small copies, width of the grid, steps) of each stage."""
     return _STAGES
+
+
+def _common_turn(views: Sequence[View], turns: Sequence[Rotation]) -> Rotation:
+    """The turn of the whole scene, of which overlaps say nothing: the median of all views'.
+
+    Left in, it would wander with the steps; a median, since a few poses may be far off.
+    """
+    vectors = []
+    for view, turn in zip(views, turns, strict=True):
+        pose = view.world_from_view
+        m = (pose @ turn @ pose.inverse).matrix
+        # Of small rotations the antisymmetric part is the vector.
+        vectors.append(np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]]) / 2)
+    vector = np.median(vectors, axis=0)
+    angle = float(np.linalg.norm(vector))
+    return Rotation.about_axis(vector, angle) if angle else Rotation.identity()
 
 
 def _slopes(small: Thumbnail, photometry: Photometry, number: int) -> NDArray[np.float32]:

@@ -88,7 +88,13 @@ def stitch_views(
         if _wants_refining(settings.refine, agreement):
             given = views
             stages = (
-                ([thumbnail(p, v, size) for p, v in zip(pictures, given, strict=True)], grid, steps)
+                (
+                    small
+                    if size == _THUMBNAIL_PX
+                    else [thumbnail(p, v, size) for p, v in zip(pictures, given, strict=True)],
+                    grid,
+                    steps,
+                )
                 for size, grid, steps in stage_sizes()
             )
             least_deg = _RIGHT_DEG if settings.refine == "auto" else 0.0
