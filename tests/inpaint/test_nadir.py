@@ -3,7 +3,8 @@ import numpy as np
 import pytest
 
 from panokit.frames import Rotation
-from panokit.inpaint.nadir import find_nadir_cap
+from panokit.inpaint import InpaintSettings, inpaint
+from panokit.inpaint.nadir import find_blurred_ground, find_nadir_cap
 
 DOWN = np.array([0.0, -1, 0])
 WIDTH = 1024
@@ -68,6 +69,29 @@ def test_blur_over_half_the_ground_is_reported_but_is_no_hole(textured, cap_arou
     cap = find_nadir_cap(pixels, DOWN)
     assert cap.radius_deg > 45
     assert not cap.is_a_hole
+    assert find_blurred_ground(pixels, DOWN).radius_deg == pytest.approx(52, abs=3)
+
+
+def test_blurred_ground_is_recorded_and_filled_only_when_asked(textured, cap_around, panorama_of):
+    pixels = textured(WIDTH)
+    blurred = cv2.GaussianBlur(pixels, (0, 0), 12, borderType=cv2.BORDER_REFLECT)
+    within = cap_around(WIDTH, DOWN, 48)
+    pixels[within] = blurred[within]
+    left = inpaint(panorama_of(pixels))
+    (hole,) = left.provenance.steps[-1].values["holes"]
+    assert (hole["kind"], hole["filled"]) == ("blurred-ground", False)
+    assert hole["confidence"] > 0.8
+    assert np.array_equal(left.pixels, pixels)
+    settings = InpaintSettings(fill_blurred_ground=True, method="smooth")
+    assert (inpaint(panorama_of(pixels), settings).pixels != pixels).any()
+
+
+def test_a_small_blurred_cap_is_no_blurred_ground(textured, cap_around):
+    pixels = textured(WIDTH)
+    blurred = cv2.GaussianBlur(pixels, (0, 0), 12, borderType=cv2.BORDER_REFLECT)
+    within = cap_around(WIDTH, DOWN, 20)
+    pixels[within] = blurred[within]
+    assert find_blurred_ground(pixels, DOWN) is None
 
 
 def test_the_cap_of_a_tilted_camera_is_found_below_the_camera(textured, cap_around):
