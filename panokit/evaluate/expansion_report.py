@@ -70,7 +70,9 @@ def evaluation_markdown(record: dict[str, Any]) -> str:
         "bootstrap intervals over probes; bold reaches the goal.",
         *_notes(record),
     ]
-    for camera, columns in record["cameras"].items():
+    for camera, found in record["cameras"].items():
+        # A record that was read back from JSON has its columns by name.
+        columns = {name: found[name] for name in record["methods"]}
         text += ["", f"## Camera {camera}", "", *_main_table(camera, columns)]
         for key in CATEGORY_LINES:
             line = next(line for line in LINES if line.key == key)

@@ -120,6 +120,7 @@ def test_tables_and_json_say_the_same_and_repeat(probe_folder, tmp_path):
     value = record["cameras"]["B"]["sRGB"]["figures"]["irradiance_median"]["value"]
     assert f"{value:.3f}" in text
     assert record["protocol"] == "panokit-expansion-1"
+    assert evaluation_markdown(record) == text
     assert len(record["rows"]) == len(result.rows)
     for camera in ("A", "B"):
         assert f"## Camera {camera}" in text
