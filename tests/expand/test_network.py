@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -40,6 +42,14 @@ def test_a_components_energy_is_the_geometric_mean_of_both_networks(lamps, known
         wanted = np.sqrt(prediction.grid_energy[k + 1] * prediction.component_energy[k])
         assert light[inside].sum() == pytest.approx(wanted, rel=1e-3)
         assert wanted / prediction.components.energy[k] == pytest.approx(6, rel=0.05)
+
+
+def test_a_model_says_how_much_its_grid_counts(lamps, known_network):
+    prediction = predict(reduce_panorama(lamps, 256), known_network)
+    grid_alone = replace(prediction, grid_weight=1.0)
+    assert grid_alone.energy[1:] == pytest.approx(prediction.grid_energy[1:])
+    components_alone = replace(prediction, grid_weight=0.0)
+    assert components_alone.energy[1:] == pytest.approx(prediction.component_energy)
 
 
 def test_a_strong_lamps_light_is_drawn_to_its_middle_and_a_panels_is_not(lamps, known_network):

@@ -17,6 +17,7 @@ torch = pytest.importorskip("torch")
 TINY = Recipe.model_validate(
     {
         "id": "tiny",
+        "grid_weight": 0.25,
         "data": {"shots_per_probe": 1},
         "network": {"members": 1, "steps": 3, "batch": 2},
         "components": {"members": 1, "steps": 5, "batch": 4},
@@ -153,6 +154,12 @@ def test_a_trained_recipe_is_released_and_expands_a_picture(examples: Examples, 
     turned = reduce_panorama(np.roll(pixels, 2 * 8, axis=1), 256)
     again = compose(turned, predict(turned, network))
     assert again == pytest.approx(np.roll(radiance, 16, axis=1), rel=2e-3)
+    # Where nothing is burnt out, nothing is invented.
+    plain = reduce_panorama(np.full((128, 256, 3), 200, np.uint8), 256)
+    assert len(predict(plain, network).components) == 0
+    assert compose(plain, predict(plain, network)).max() < 1
+    assert model.files["expansion"].inputs == ("grid", "features")
+    assert predict(reduced, network).grid_weight == TINY.grid_weight
 
 
 def test_the_area_rule_is_recovered_from_examples_that_follow_it(examples: Examples):
