@@ -107,7 +107,7 @@ class ExpansionNetwork:
             said = self._files["expansion"].run({"grid": grid[None], "features": rows})
             log_gain, slopes = said["log_gain"], said["slopes"]
             component_gain = said["component_gain"]
-            sun = 1 / (1 + np.exp(-np.clip(said["sun_logit"], -30, 30)))
+            sun = np.asarray(1 / (1 + np.exp(-said["sun_logit"].clip(-30, 30))), np.float32)
             weight = float(said["grid_weight"])
         else:
             log_gain, slopes = self._over_rolls(grid)
