@@ -21,6 +21,7 @@ the sign of pitch; the sign of roll is said by none of the services and is read 
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.spatial.transform import Rotation as Turn
 
 from panokit.errors import UsageError
 from panokit.frames import Rotation
@@ -99,22 +100,9 @@ def to_mapillary(world_from_camera: Rotation) -> tuple[float, float, float]:
     camera_from_world = (
         _RIGHT_DOWN_FORWARD_FROM_CAMERA @ world_from_camera.inverse @ _WORLD_FROM_EAST_NORTH_UP
     )
-    x, y, z = (camera_from_world.angle * _axis(camera_from_world)).tolist()
+    # Near half a turn the matrix alone hardly knows the axis; by way of a quaternion it does.
+    x, y, z = Turn.from_matrix(camera_from_world.matrix).as_rotvec().tolist()
     return x, y, z
-
-
-def _axis(rotation: Rotation) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """The unit axis of a rotation; any axis where it does not turn."""
-    m = rotation.matrix
-    # Of half a turn only the symmetric part (R + R^T) / 2 = 2 n n^T - 1 knows the axis.
-    outer = (m + m.T) / 2 - np.cos(rotation.angle) * np.eye(3)
-    column = outer[:, int(np.argmax(np.diag(outer)))]
-    length = float(np.linalg.norm(column))
-    axis = column / length if length > 0 else np.array([1.0, 0.0, 0.0])
-    twice = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
-    if float(np.linalg.norm(twice)) > 1e-3:
-        axis = twice / np.linalg.norm(twice)
-    return axis
 
 
 def _turn(angle_deg: float) -> float:

@@ -111,7 +111,7 @@ def test_killed_twenty_times(tmp_path):
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_an_interrupted_run_leaves_whole_captures_only(town_server, tmp_path, number, code):
     out = tmp_path / "run"
-    town_server.set_faults(parse_faults("slow 100% seconds=0.2 at=/tiles/"))
+    town_server.set_faults(parse_faults("slow 100% seconds=0.6 at=/tiles/"))
     process = started(town_server, out, 12, 1)
     while process.poll() is None and len(complete(out)) < 2:
         time.sleep(0.01)
