@@ -168,7 +168,9 @@ def compose(reduced: ReducedPanorama, prediction: Prediction) -> NDArray[np.floa
     Pixels that are not burnt out change by the estimated camera curve only; burnt-out ones
     never get darker.
     """
-    lost = spread_gain(prediction.log_gain, reduced, prediction.components, prediction.energy)
+    lost = spread_gain(
+        prediction.log_gain, reduced, prediction.components, prediction.energy, prediction.sun
+    )
     open_share = np.maximum(1 - reduced.share, 1e-3)[..., None]
     unburnt = np.asarray(np.clip(reduced.clear / open_share, 0, 1), np.float32)
     clear = apply_curve(unburnt, *prediction.curve_slopes) * open_share

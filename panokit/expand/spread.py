@@ -19,6 +19,9 @@ GLARE_GAIN = 8.0
 # The light falls with at most this power of the distance from the component's edge; a power
 # of 4 puts half a sun's light within the middle quarter of its glare.
 STEEPEST = 4.0
+# From these odds on, a strong component is taken for the sun and its light drawn to the middle
+# however wide its glare is; up to the first of them only its width counts.
+SUN_FROM, SUN_SURE = 0.5, 0.8
 
 
 def grid_energies(
@@ -47,6 +50,7 @@ def spread_gain(
     reduced: ReducedPanorama,
     components: Components,
     energies: NDArray[np.float64],
+    sun: NDArray[np.float32] | None = None,
 ) -> NDArray[np.float32]:
     """The light that the picture lost, (H, W, 3) float32, >= 0.
 
@@ -58,15 +62,14 @@ def spread_gain(
         reduced: The panorama.
         components: Those of `reduced`.
         energies: (K + 1,), as `grid_energies` returns them: what each region should have.
+        sun: (K,), probability that a component is the sun; none is if not given.
     """
     gain = np.exp(np.maximum(_interpolated(log_gain, reduced), 0))
     shown = _sum_by_label(luminance(reduced.burnt), components)
     wanted = np.maximum(energies - shown, 0)
-    excess = (
-        reduced.burnt
-        * (gain - 1)
-        * _toward_middle(components, wanted / np.maximum(shown, 1e-12))[..., None]
-    )
+    odds = np.zeros(len(components), np.float32) if sun is None else sun
+    middle = _toward_middle(components, wanted / np.maximum(shown, 1e-12), odds)
+    excess = reduced.burnt * (gain - 1) * middle[..., None]
     drawn = _sum_by_label(luminance(excess), components)
     scale = np.divide(wanted, drawn, out=np.zeros_like(drawn), where=drawn > 1e-12)
     return excess * scale.astype(np.float32)[components.labels][..., None]
@@ -80,9 +83,9 @@ def _sum_by_label(light: NDArray[np.floating], components: Components) -> NDArra
 
 
 def _toward_middle(
-    components: Components, times_brighter: NDArray[np.float64]
+    components: Components, times_brighter: NDArray[np.float64], sun: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """Weights in (0, 1] that fall to the edge of compact components, 1 elsewhere.
+    """Weights in (0, 1] that fall to the edge of compact components and of suns, 1 elsewhere.
 
     The brighter a component is beyond what its picture shows, the more of what the picture
     shows is glare, and the smaller the source within.
@@ -90,6 +93,8 @@ def _toward_middle(
     radius = np.zeros(len(components) + 1, np.float32)
     np.maximum.at(radius, components.labels.ravel(), components.edge_deg.ravel())
     compact = np.clip(2 - 2 * radius / COMPACT_DEG, 0, 1)
+    sure = np.clip((sun - SUN_FROM) / (SUN_SURE - SUN_FROM), 0, 1)
+    compact[1:] = np.maximum(compact[1:], sure)
     power = compact * np.clip(np.log((times_brighter + 1) / GLARE_GAIN), 0, STEEPEST)
     inside = components.labels > 0
     label = components.labels[inside]

@@ -62,6 +62,24 @@ def test_a_strong_lamps_light_is_drawn_to_its_middle_and_a_panels_is_not(lamps, 
     assert weak[26, 142] == pytest.approx(weak[24, 140], rel=0.05)
 
 
+def test_the_suns_light_is_drawn_to_its_middle_however_wide_its_glare_is(known_network):
+    pixels = np.full((128, 256, 3), 90, np.uint8)
+    rows, columns = np.mgrid[:128, :256]
+    pixels[(rows - 40) ** 2 + (columns - 100) ** 2 < 12**2] = 255
+    known_network.set_gains(400, 400)
+    reduced = reduce_panorama(pixels, 256)
+    prediction = predict(reduced, known_network)
+    sky = luminance(compose(reduced, prediction))
+    sure = np.ones(1, np.float32)
+    sun = luminance(compose(reduced, replace(prediction, sun=sure)))
+    weights = pixel_solid_angles(128, 256)
+    assert (sun * weights).sum() == pytest.approx((sky * weights).sum(), rel=1e-3)
+    assert sun[40, 100] > 5 * sun[40, 110]
+    assert sky[40, 100] < 2 * sky[40, 110]
+    unlikely = replace(prediction, sun=0.4 * sure)
+    assert luminance(compose(reduced, unlikely)) == pytest.approx(sky)
+
+
 @pytest.mark.parametrize("cells", [1, 7, 64])
 def test_turning_the_panorama_turns_the_map(lamps, known_network, cells: int):
     columns = 2 * cells
