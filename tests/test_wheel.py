@@ -27,6 +27,7 @@ def test_the_wheel_carries_models_pipelines_and_the_sample_city(wheel):
         "panokit/_shipped/pipelines/demo.toml",
         "panokit/_shipped/models/expand-1/model.toml",
         "panokit/_shipped/models/expand-1/gain.onnx",
+        "panokit/_shipped/models/expand-2/expansion.onnx",
         "panokit/synthetic/sample_city/index.json",
         "panokit/fetch/cities.csv",
         "panokit/py.typed",
@@ -41,7 +42,7 @@ def test_shipped_data_is_found_in_an_installed_wheel(wheel, tmp_path):
         archive.extractall(tmp_path)
     code = (
         "import panokit; from panokit.weights import find_model, verify_model;"
-        "from panokit.shipped import shipped_path; verify_model(find_model('expand-1'));"
+        "from panokit.shipped import shipped_path; verify_model(find_model('expand-2'));"
         "print(panokit.__file__, shipped_path('pipelines/demo.toml'))"
     )
     done = subprocess.run(

@@ -12,7 +12,7 @@ ANCHORS = ("anchor_white_cd_m2", "anchor_sky_cd_m2", "anchor_sun_lx", "anchor_su
 class ExpandSettings(Settings):
     """How an LDR panorama becomes an HDR environment map."""
 
-    model: str = "expand-1"
+    model: str = "expand-2"
     """A released model, or an analytic method: "srgb", "reinhard" or "area"."""
 
     width_px: int = Field(default=1024, ge=16, multiple_of=2)

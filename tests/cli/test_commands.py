@@ -70,7 +70,7 @@ def test_bad_pictures_are_named_and_the_good_one_is_done(folder, tmp_path, capsy
         (
             ["expand", "{good}", "--out", "o", "--model", "gpt"],
             6,
-            "Choose from: expand-1, srgb",
+            "Choose from: expand-1, expand-2, srgb",
         ),
         (["qa", "nowhere", "--out", "o"], 2, "nowhere"),
         (["run", "nowhere.toml"], 4, "Check the path"),

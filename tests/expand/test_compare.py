@@ -12,7 +12,7 @@ from panokit.io import read_environment_map
 from panokit.io.images import decode_image, encode_png
 from panokit.panorama import Panorama
 
-NAMES = ["ldr", "srgb", "reinhard", "area", "expand-1"]
+NAMES = ["ldr", "srgb", "reinhard", "area", "expand-2"]
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def test_every_method_is_there_from_nothing_to_the_model(maps, lamps):
     assert np.allclose(maps["ldr"].radiance, lamps / 255, atol=1e-6)
     assert maps["ldr"].anchor is Anchor.RELATIVE
     assert maps["srgb"].anchor is Anchor.LDR_WHITE
-    assert maps["expand-1"].anchor is Anchor.LUMINANCE
+    assert maps["expand-2"].anchor is Anchor.LUMINANCE
     assert luminance(maps["srgb"].radiance).max() == pytest.approx(1, rel=1e-3)
     assert luminance(maps["area"].radiance).max() > 1.5
 
@@ -56,7 +56,7 @@ def test_the_command_writes_them_beside_the_map(lamps, tmp_path):
     arguments = ["expand", str(tmp_path / "room.png"), "--out", str(out), "--compare"]
     assert main(arguments) == 0
     folder = out / "room.compare"
-    assert {path.stem for path in folder.glob("*.exr")} == set(NAMES) - {"expand-1"}
+    assert {path.stem for path in folder.glob("*.exr")} == set(NAMES) - {"expand-2"}
     assert decode_image((folder / "preview.png").read_bytes(), what="preview").ndim == 3
     assert read_environment_map(folder / "srgb.exr").radiance.max() == pytest.approx(1, rel=1e-3)
     before = {path.name: path.read_bytes() for path in folder.iterdir()}

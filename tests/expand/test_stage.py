@@ -15,7 +15,7 @@ def panorama(pixels: np.ndarray, capture: Capture) -> Panorama:
     return Panorama(pixels=pixels, capture=capture, frame=Frame.WORLD)
 
 
-@pytest.mark.parametrize("model", ["srgb", "reinhard", "area", "expand-1"])
+@pytest.mark.parametrize("model", ["srgb", "reinhard", "area", "expand-1", "expand-2"])
 def test_every_model_keeps_place_and_says_what_it_did(lamps, capture, model: str):
     source = panorama(lamps, capture)
     settings = ExpandSettings(model=model, width_px=128)
@@ -26,7 +26,7 @@ def test_every_model_keeps_place_and_says_what_it_did(lamps, capture, model: str
     assert result.capture is capture
     step = result.provenance.last("expand")
     assert step.settings_digest == settings.digest
-    assert (step.weights_digest != "") == (model == "expand-1")
+    assert (step.weights_digest != "") == model.startswith("expand-")
     assert step.values["energy_after"] == pytest.approx(energy(result.radiance), abs=1e-5)
     assert luminance(np.array(step.values["energy_after"])) >= 0.99 * luminance(
         np.array(step.values["energy_before"])
@@ -49,9 +49,9 @@ def test_a_map_is_never_wider_than_its_panorama(lamps, capture):
 
 def test_the_released_model_turns_with_the_panorama(lamps, capture):
     first = expand(panorama(lamps, capture), ExpandSettings(width_px=256))
-    turned = np.roll(lamps, 2 * 11, axis=1)
+    turned = np.roll(lamps, 2 * 12, axis=1)
     second = expand(panorama(turned, capture), ExpandSettings(width_px=256))
-    assert second.radiance == pytest.approx(np.roll(first.radiance, 22, axis=1), rel=5e-3)
+    assert second.radiance == pytest.approx(np.roll(first.radiance, 24, axis=1), rel=1e-2)
 
 
 def test_the_released_model_makes_lamps_bright_and_leaves_the_room(lamps, capture):
