@@ -162,6 +162,16 @@ def test_a_trained_recipe_is_released_and_expands_a_picture(examples: Examples, 
     assert predict(reduced, network).grid_weight == TINY.grid_weight
 
 
+def test_a_file_that_computes_something_else_is_not_released():
+    from panokit.errors import ModelError
+    from panokit.train.release import _check_parity
+
+    expected = np.array([0.5, -8.0], np.float32)
+    _check_parity("x.onnx", "log_gain", expected + np.float32(4e-5), expected)
+    with pytest.raises(ModelError, match="log_gain differs"):
+        _check_parity("x.onnx", "log_gain", expected + np.float32(2e-4), expected)
+
+
 def test_the_area_rule_is_recovered_from_examples_that_follow_it(examples: Examples):
     from panokit.train.area_rule import fit_area_rule
 
