@@ -182,13 +182,13 @@ def test_the_command_prints_a_table_that_fits_a_terminal(probe_folder, tmp_path,
     assert main(arguments) == 0
     out = capsys.readouterr().out
     assert "camera A" in out
-    assert "expand-1*" in out
+    assert "expand-2*" in out
     assert "proves nothing" in out
     assert max(map(len, out.splitlines())) <= 80 or str(tmp_path) in out
     assert (tmp_path / "expansion.md").exists()
     assert main([*arguments, "--json"]) == 0
     value = json.loads(capsys.readouterr().out)
-    assert value["cameras"]["A"]["expand-1"]["status"] == "seen"
+    assert value["cameras"]["A"]["expand-2"]["status"] == "seen"
 
 
 @pytest.mark.parametrize(
