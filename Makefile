@@ -8,10 +8,11 @@ export PIP_CONSTRAINT = $(CURDIR)/constraints.txt
 DEMO = .demo-venv
 VENV = .venv
 PEERS = .peers-venv
+STITCHERS = .stitchers-venv
 TESTS ?= tests
 BIN = $(VENV)/bin
 
-.PHONY: help demo test check test-slow bench bench-peers docs clean
+.PHONY: help demo test check test-slow bench bench-peers bench-stitchers docs clean
 
 help:
 	@echo "make demo       light probes from the embedded city, with a report (core packages only)"
@@ -20,6 +21,7 @@ help:
 	@echo "make test-slow  tests that take minutes"
 	@echo "make bench      benchmarks"
 	@echo "make bench-peers  geometry against skylibs, equilib and py360convert"
+	@echo "make bench-stitchers  stitching against OpenCV, OpenStitching, Hugin (needs PANOKIT_DATA)"
 	@echo "make docs       the documentation, in docs/_build"
 
 demo: $(DEMO)/.installed
@@ -43,6 +45,9 @@ bench: $(VENV)/.installed
 bench-peers: $(VENV)/.installed $(PEERS)/.installed
 	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/peers/compare.py $(PEERS)/bin/python
 
+bench-stitchers: $(VENV)/.installed $(STITCHERS)/.installed
+	$(BIN)/python tests/benchmarks/peers/compare_stitching.py $(PANOKIT_DATA) $(STITCHERS)/bin/python
+
 docs: $(VENV)/.installed
 	$(BIN)/pip install --quiet -e ".[docs]"
 	$(BIN)/python -m sphinx -W -b html docs docs/_build/html
@@ -58,10 +63,15 @@ $(PEERS)/.installed: tests/benchmarks/peers/requirements.txt constraints.txt
 	$(PEERS)/bin/pip install --quiet -r tests/benchmarks/peers/requirements.txt
 	touch $@
 
+$(STITCHERS)/.installed: tests/benchmarks/peers/requirements-stitching.txt
+	$(PYTHON) -m venv $(STITCHERS)
+	$(STITCHERS)/bin/pip install --quiet -r tests/benchmarks/peers/requirements-stitching.txt
+	touch $@
+
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet -e ".[train,render,dev]"
 	touch $@
 
 clean:
-	rm -rf $(DEMO) $(VENV) $(PEERS) demo docs/_build .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(DEMO) $(VENV) $(PEERS) $(STITCHERS) demo docs/_build .pytest_cache .mypy_cache .ruff_cache
