@@ -30,8 +30,8 @@ class LightErrors:
         missed: True lights without a partner.
         spurious: Lights of the estimate without a partner.
         angle_deg: Mean angle between partners; NaN without pairs, as all means.
-        size_stops: Mean of |log2| of the ratio of their solid angles.
-        intensity_stops: Mean of |log2| of the ratio of their luminance energies.
+        size_stops: Mean absolute log2 of the ratio of their solid angles.
+        intensity_stops: Mean absolute log2 of the ratio of their luminance energies.
         color_deg: Mean RGB angle between their colors.
     """
 

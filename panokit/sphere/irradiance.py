@@ -142,9 +142,9 @@ def light_parcels(
         size: Rows and columns of texels; fewer where the map has fewer.
 
     Returns:
-        energies: (T, C) float32, the integral of L dOmega over each texel.
-        vectors: (T, C, 3) float32, the integral of L d dOmega; over the energy, a vector that
-            is shorter than 1 by how widely the texel's light is spread.
+        Energies (T, C) float32, the integral of L dOmega over each texel; and vectors (T, C, 3)
+        float32, the integral of L d dOmega: over the energy, a vector that is shorter than 1 by
+        how widely the texel's light is spread.
     """
     height, width, channels = radiance.shape
     rows, columns = min(size[0], height), min(size[1], width)
