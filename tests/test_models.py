@@ -49,3 +49,12 @@ def test_the_card_says_what_a_user_must_know(model: ReleasedModel):
     for line in card.splitlines():
         if "](" in line and "](http" not in line:
             assert (model.folder / line.split("](")[1].split(")")[0]).exists(), line
+
+
+def test_released_files_name_no_file_of_their_maker():
+    files = sorted((Path(__file__).parent.parent / "models").glob("*/*.onnx"))
+    assert files
+    for file in files:
+        data = file.read_bytes()
+        assert b"site-packages" not in data, file
+        assert b".py" not in data, file

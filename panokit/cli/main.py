@@ -22,7 +22,7 @@ _COMMANDS = {
     "demo": ("demo:demo", "Light probes from the embedded city, offline, in about a minute"),
     "run": ("run:run", "Run a pipeline: a city list in, light probes and a report out"),
     "fetch": ("fetch:fetch", "Fetch street panoramas of cities"),
-    "stitch": ("stages:stitch", "Tiles to level panoramas"),
+    "stitch": ("stages:stitch", "Tiles, views or photos to level panoramas"),
     "inpaint": ("stages:inpaint", "Fill what the camera did not see"),
     "expand": ("stages:expand", "Panoramas to HDR environment maps"),
     "qa": ("qa:qa", "Check maps, compare them with references, write a report"),

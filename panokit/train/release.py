@@ -20,6 +20,7 @@ from panokit.expand.network import FEATURES_VERSION
 from panokit.inference import Session
 from panokit.io.files import atomic_write, write_bytes
 from panokit.networks.expansion_net import ExpansionNet
+from panokit.train.onnx_file import without_traces
 from panokit.train.recipe import Recipe
 
 # The largest difference between torch and ONNX Runtime, relative to the largest value.
@@ -106,7 +107,7 @@ def export(
     if program is None:
         raise ModelError(f"torch could not export {path.name}.")
     with atomic_write(path) as temporary:
-        program.save(str(temporary), external_data=False)
+        temporary.write_bytes(without_traces(program.model_proto).SerializeToString())
     with torch.inference_mode():
         expected = network(*example.values())
     expected = expected if isinstance(expected, tuple) else (expected,)
