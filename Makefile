@@ -70,7 +70,7 @@ $(STITCHERS)/.installed: tests/benchmarks/peers/requirements-stitching.txt
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet -e ".[train,render,dev]"
+	$(BIN)/pip install --quiet -e ".[train,render,cities,dev]"
 	touch $@
 
 clean:
