@@ -76,17 +76,22 @@ class EnvironmentMap:
         return replace(self, **changes)
 
 
-def _check_physical(radiance: NDArray[np.float32]) -> None:
-    # min and max see NaN and infinities too, in two passes without a full-size mask.
-    low, high = float(radiance.min()), float(radiance.max())
-    if np.isfinite(low) and np.isfinite(high) and low >= 0:
-        return
+def count_unphysical(radiance: NDArray[Any]) -> tuple[dict[str, int], str]:
+    """How many values are NaN, infinite and negative, as figures and in words."""
     counts = {
         "nan": int(np.isnan(radiance).sum()),
         "inf": int(np.isinf(radiance).sum()),
         "negative": int((radiance < 0).sum()),
     }
-    found = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+    return counts, ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+
+
+def _check_physical(radiance: NDArray[np.float32]) -> None:
+    # min and max see NaN and infinities too, in two passes without a full-size mask.
+    low, high = float(radiance.min()), float(radiance.max())
+    if np.isfinite(low) and np.isfinite(high) and low >= 0:
+        return
+    counts, found = count_unphysical(radiance)
     raise ImageError(
         f"Radiance must be finite and not negative; this map has {found} values. "
         "Repair it where it was made, or read it with repair=True to clean it knowingly.",

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.envmap import count_unphysical
 from panokit.errors import ImageError
 
 
@@ -24,12 +25,7 @@ def check_finite(radiance: NDArray[np.floating[Any]], what: str, why: str = "") 
     low, high = float(radiance.min()), float(radiance.max())  # both see NaN
     if np.isfinite(low) and np.isfinite(high):
         return
-    counts = {
-        "nan": int(np.isnan(radiance).sum()),
-        "inf": int(np.isinf(radiance).sum()),
-        "negative": int((radiance < 0).sum()),
-    }
-    found = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+    counts, found = count_unphysical(radiance)
     raise ImageError(
         f"{what} has {found} values; radiance is finite. {why}{' ' if why else ''}"
         "Make it again from its source, or read it with repair=True to clean it knowingly.",
