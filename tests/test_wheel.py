@@ -25,14 +25,15 @@ def test_the_wheel_carries_models_pipelines_and_the_sample_city(wheel):
     assert {name.split("/")[0].split("-")[0] for name in names} == {"panokit"}
     for needed in (
         "panokit/_shipped/pipelines/demo.toml",
-        "panokit/_shipped/models/expand-1/model.toml",
-        "panokit/_shipped/models/expand-1/gain.onnx",
+        "panokit/_shipped/models/expand-2/model.toml",
         "panokit/_shipped/models/expand-2/expansion.onnx",
         "panokit/synthetic/sample_city/index.json",
         "panokit/fetch/cities.csv",
         "panokit/py.typed",
     ):
         assert needed in names
+    # One model for each task travels; the others stay in the repository.
+    assert not any("expand-1" in name for name in names)
     assert any(name.endswith(".j2") for name in names)
     assert wheel.stat().st_size < MOST_BYTES
 

@@ -28,7 +28,7 @@ def train(
     Parameters
     ----------
     recipe
-        The recipe, for instance models/expand-1/recipe.toml; one called expandnet.toml trains
+        The recipe, for instance models/expand-2/recipe.toml; one called expandnet.toml trains
         ExpandNet's architecture as a baseline, see docs/commands/evaluate.md.
     probes
         A folder of HDR probes with its manifest.csv.
