@@ -1,0 +1,1 @@
+"""Stereo pairs of unknown objects in known light: scenes, rendering, shards, splits."""

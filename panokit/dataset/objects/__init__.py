@@ -1,0 +1,1 @@
+"""The objects: procedural furniture without end, and folders of meshes."""
