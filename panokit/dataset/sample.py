@@ -24,7 +24,8 @@ class SamplePlan:
         split: One of `SPLITS`; its place and its object belong to this split only.
         object_id: Of the catalog of objects.
         probe_id: Of the source of light.
-        materials: One for each part of the object.
+        materials: What the object is made of.
+        material_of_part: For each part of the object, the number of its material.
         yaw_deg: By which the map is turned about the vertical, clockwise from above.
         tilt_deg: By which it is then tilted.
         tilt_toward_deg: The azimuth toward which its zenith is tilted.
@@ -44,6 +45,7 @@ class SamplePlan:
     object_id: str
     probe_id: str
     materials: tuple[Material, ...]
+    material_of_part: tuple[int, ...]
     yaw_deg: float
     tilt_deg: float
     tilt_toward_deg: float

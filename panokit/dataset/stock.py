@@ -1,0 +1,74 @@
+"""What samples are drawn from: objects and lights, each in one split only."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from panokit.dataset.lights import Lights, digest_of_file_list, open_lights
+from panokit.dataset.objects.catalog import ObjectCatalog, open_catalog
+from panokit.dataset.sample import SPLITS
+from panokit.dataset.settings import DatasetSettings
+from panokit.dataset.splits import assign_splits, group_by_shared_keys
+from panokit.provenance import digest_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stock:
+    """Objects and lights with their splits.
+
+    Attributes:
+        objects: The catalog of objects.
+        lights: The maps.
+        objects_of: Split -> ids of its objects.
+        lights_of: Split -> ids of its lights.
+        digest: Of everything that samples are drawn from.
+    """
+
+    objects: ObjectCatalog
+    lights: Lights
+    objects_of: dict[str, tuple[str, ...]]
+    lights_of: dict[str, tuple[str, ...]]
+    digest: str
+
+
+def open_stock(
+    settings: DatasetSettings, probes: Sequence[Path], *, packed: Path | None = None
+) -> Stock:
+    """The objects and lights of a dataset, split by place and by object.
+
+    Args:
+        settings: Of the dataset.
+        probes: Where the light is from, see `panokit.dataset.lights.open_lights`.
+        packed: A folder in which maps are kept at their working size, or None.
+
+    Raises:
+        UsageError: If there is no light, or too few places or objects to split.
+        LicenseError: If a map may not be trained with.
+    """
+    objects = open_catalog(settings.objects)
+    lights = open_lights(probes, own_right=settings.light.own_right, packed=packed)
+    place_split = assign_splits([light.place for light in lights.all.values()], settings, "places")
+    object_groups = group_by_shared_keys(
+        {id: [f"content:{objects.digest(id)}"] for id in objects.ids()}
+    )
+    object_split = assign_splits(list(object_groups.values()), settings, "objects")
+    return Stock(
+        objects=objects,
+        lights=lights,
+        objects_of={
+            split: tuple(id for id in objects.ids() if object_split[object_groups[id]] == split)
+            for split in SPLITS
+        },
+        lights_of={
+            split: tuple(
+                id for id, light in lights.all.items() if place_split[light.place] == split
+            )
+            for split in SPLITS
+        },
+        digest=digest_of(
+            [
+                digest_of_file_list(lights),
+                [[id, objects.digest(id)] for id in objects.ids()],
+            ]
+        ),
+    )
