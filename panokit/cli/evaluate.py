@@ -61,7 +61,7 @@ def _method(name: str) -> "Method":
     from panokit.evaluate.peers import onnx_method
     from panokit.evaluate.predictors import model_method
 
-    return onnx_method(Path(name)) if name.endswith(".onnx") else model_method(name)
+    return onnx_method(name) if name.endswith(".onnx") else model_method(name)
 
 
 def _commands(texts: tuple[str, ...], settings: ExpansionEvaluation) -> "list[Method]":

@@ -16,7 +16,7 @@ def train(
     *,
     probes: Path,
     work: Path = Path("work"),
-    cross_validate: Annotated[bool, Parameter(negative=())] = False,
+    folds: Annotated[bool, Parameter(negative=())] = False,
     fold_members: int | None = None,
     processes: int = 2,
     own_right: str = "",
@@ -34,10 +34,11 @@ def train(
         A folder of HDR probes with its manifest.csv.
     work
         Where examples and checkpoints are kept.
-    cross_validate
-        Judge the recipe on held-out probes and write metrics.json, instead of releasing it.
+    folds
+        Instead of releasing a model, train one for each fold of the probes that has not seen it, in
+        WORK/ID/fold-N, to be judged by: panokit evaluate expansion --model 'WORK/ID/fold-{fold}'
     fold_members
-        Gain networks in each fold, if fewer than the recipe's will do.
+        Networks of either kind in each fold, if fewer than the recipe's will do.
     processes
         Processes for making the examples.
     own_right
@@ -48,20 +49,26 @@ def train(
     from panokit.train import stage
 
     console = Console()
-    if recipe.name == "expandnet.toml":
+    is_expandnet = recipe.name == "expandnet.toml"
+    if folds:
+        from panokit.train.folds import train_expandnet_folds, train_folds
+
+        if is_expandnet:
+            pattern = train_expandnet_folds(recipe, probes, work, own_right=own_right)
+        else:
+            pattern = train_folds(
+                recipe,
+                probes,
+                work,
+                fold_members=fold_members,
+                processes=processes,
+                own_right=own_right,
+            )
+        console.result(f"Judge them with: panokit evaluate expansion --model '{pattern}'")
+    elif is_expandnet:
         from panokit.train.expandnet import train_expandnet
 
         console.result(f"Written: {train_expandnet(recipe, probes, work, own_right=own_right)}")
-    elif cross_validate:
-        rows = stage.cross_validate(
-            recipe,
-            probes,
-            work,
-            fold_members=fold_members,
-            processes=processes,
-            own_right=own_right,
-        )
-        console.result(f"{len(rows)} scores in {recipe.parent / 'metrics.json'}")
     else:
         released = stage.train(recipe, probes, work, processes=processes, own_right=own_right)
         console.result(f"Released: {released}")

@@ -7,6 +7,7 @@ scoring           one method on one picture
 cache             scores kept while a run goes on
 expansion         all methods on all pictures
 figures           from scores to lines of the table
+pairs             two methods on the same pictures
 expansion_report  the table, as JSON and Markdown
 settings          of `panokit evaluate expansion`
 """

@@ -70,19 +70,20 @@ def area_record(pixels: NDArray[np.uint8], truth: NDArray[np.float32], fold: int
 
 
 def fit_rules(records: Sequence[AreaRecord], folds: Sequence[int]) -> dict[int, AreaRule]:
-    """For each fold, the rule that errs least on the pictures of all other folds.
-
-    The error is the mean relative one of irradiance on the six axes: the figure that the rule
-    is then judged by, so that it is as hard to beat as it can be. With too few pictures in
-    other folds, the shipped rule stands in.
-    """
+    """For each fold, the rule that errs least on the pictures of all other folds."""
     return {
-        fold: _fitted([record for record in records if record.fold != fold])
+        fold: fit_rule([record for record in records if record.fold != fold])
         for fold in sorted(set(folds))
     }
 
 
-def _fitted(records: Sequence[AreaRecord]) -> AreaRule:
+def fit_rule(records: Sequence[AreaRecord]) -> AreaRule:
+    """The rule that errs least on some pictures.
+
+    The error is the mean relative one of irradiance on the six axes: the figure that the rule
+    is then judged by, so that it is as hard to beat as it can be. With too few pictures the
+    shipped rule stands in.
+    """
     if len(records) < _FEWEST:
         return SHIPPED_AREA_RULE
     most = max(len(record.log_area) for record in records)

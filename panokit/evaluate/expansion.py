@@ -11,7 +11,7 @@ from pathlib import Path
 
 from panokit.console import Console
 from panokit.errors import ItemError, UsageError
-from panokit.evaluate.area_fit import AreaRecord, area_record, fit_rules
+from panokit.evaluate.area_fit import AreaRecord, area_record, fit_rule, fit_rules
 from panokit.evaluate.cache import ScoreCache
 from panokit.evaluate.predictors import Method, Predictor, analytic_methods, area_method
 from panokit.evaluate.predictors import check_names as _check_names
@@ -26,16 +26,20 @@ class EvaluationResult:
 
     Attributes:
         methods: The columns, in order.
+        judged: Those that the user asked for; the others are always there.
         rows: One for each method, probe and camera, in order.
         unusable: Probes that could not be photographed or read -> why.
         rules: The area rule's numbers for each fold.
+        rule_of_all: Those that all pictures together give: what a release would take.
         settings: What was asked for.
     """
 
     methods: tuple[str, ...]
+    judged: tuple[str, ...]
     rows: tuple[Row, ...]
     unusable: dict[str, str]
     rules: dict[int, tuple[float, float]]
+    rule_of_all: tuple[float, float]
     settings: ExpansionEvaluation
 
 
@@ -85,9 +89,12 @@ def evaluate_expansion(
             records += _guarded(item, unusable, console, lambda i: _records(i, cache, settings))
             tick()
     rules = fit_rules(records, folds)
+    of_all = fit_rule(records)
     columns = [*fixed, area_method(rules)]
     rows: list[Row] = []
     usable = [item for item in judged if item.probe.name not in unusable]
+    # Fold by fold: a method with a network for each loads each once.
+    usable.sort(key=lambda item: (item.fold, item.index))
     with console.stage("scores", len(usable)) as tick:
         for item in usable:
             rows += _guarded(
@@ -99,9 +106,11 @@ def evaluate_expansion(
     order = [column.name for column in columns]
     return EvaluationResult(
         methods=tuple(order),
+        judged=tuple(method.name for method in methods),
         rows=tuple(sorted(rows, key=lambda row: (order.index(row.method), row.camera, row.probe))),
         unusable=unusable,
         rules={fold: (rule.offset, rule.slope) for fold, rule in rules.items()},
+        rule_of_all=(of_all.offset, of_all.slope),
         settings=settings,
     )
 

@@ -10,30 +10,48 @@ from typing import Any
 
 from panokit.evaluate.expansion import EvaluationResult
 from panokit.evaluate.figures import LINES, Line, by_category, summarize_rows
+from panokit.evaluate.pairs import compare_pairs, pairs_table
+from panokit.evaluate.predictors import PER_FOLD
 from panokit.evaluate.scoring import Row
 from panokit.io.files import write_bytes, write_json
 
 SCHEMA = "panokit.evaluation.expansion/1"
 PROTOCOL = "panokit-expansion-1"
 # What the tables by category show.
-CATEGORY_LINES = ("irradiance_median", "light_vector_mean", "energy_median")
+CATEGORY_LINES = (
+    "irradiance_median",
+    "light_vector_mean",
+    "ball_median",
+    "energy_median",
+    "pu21_crf_mean",
+)
 
 _MARKS = {"seen": " (seen)", "unknown": " (unknown)", "unseen": ""}
 
 
 def write_evaluation(result: EvaluationResult, out: Path) -> tuple[Path, Path]:
-    """Write expansion.json and expansion.md into a folder; returns both paths."""
+    """Write expansion.json and expansion.md into a folder; returns both paths.
+
+    For a method with a model for each fold, metrics-NAME.json beside them is what its release
+    carries as metrics.json.
+    """
     out.mkdir(parents=True, exist_ok=True)
     record = evaluation_record(result)
     paths = out / "expansion.json", out / "expansion.md"
     write_json(paths[0], record)
     write_bytes(paths[1], evaluation_markdown(record).encode())
+    for method in result.judged:
+        if method.endswith(PER_FOLD):
+            name = method.removesuffix(PER_FOLD)
+            write_json(out / f"metrics-{name}.json", model_metrics(record, method))
     return paths
 
 
 def evaluation_record(result: EvaluationResult) -> dict[str, Any]:
     """Everything, for `json.dump`."""
     cameras: dict[str, Any] = {}
+    pairs: dict[str, Any] = {}
+    fresh = [row for row in result.rows if row.seen is not True]
     for camera in result.settings.cameras:
         columns = {}
         for method in result.methods:
@@ -47,15 +65,53 @@ def evaluation_record(result: EvaluationResult) -> dict[str, Any]:
                 "categories": by_category(shown, CATEGORY_LINES),
             }
         cameras[camera] = columns
+        pairs[camera] = {
+            method: {
+                other: compare_pairs([r for r in fresh if r.camera == camera], method, other)
+                for other in result.methods
+                if other != method
+            }
+            for method in result.judged
+        }
     return {
         "schema": SCHEMA,
         "protocol": PROTOCOL,
         "settings": result.settings.model_dump(mode="json"),
         "methods": list(result.methods),
+        "judged": list(result.judged),
         "cameras": cameras,
-        "area_rules": {str(fold): list(rule) for fold, rule in sorted(result.rules.items())},
+        "pairs": pairs,
+        "area_rules": {
+            **{str(fold): list(rule) for fold, rule in sorted(result.rules.items())},
+            "all": list(result.rule_of_all),
+        },
         "unusable": result.unusable,
         "rows": [row.to_json() for row in result.rows],
+    }
+
+
+def model_metrics(record: dict[str, Any], method: str) -> dict[str, Any]:
+    """What a released model carries as metrics.json: the table, and its own scores.
+
+    Args:
+        record: Of the evaluation.
+        method: The model's column.
+    """
+    others = [name for name in record["methods"] if name not in record["judged"]]
+    kept = [*others, method]
+    return {
+        **{name: record[name] for name in ("schema", "protocol", "settings", "area_rules")},
+        "model": method,
+        "methods": kept,
+        "cameras": {
+            camera: {name: columns[name] for name in kept}
+            for camera, columns in record["cameras"].items()
+        },
+        "pairs": {
+            camera: {other: pairs[method][other] for other in others}
+            for camera, pairs in record["pairs"].items()
+        },
+        "rows": [row for row in record["rows"] if row["method"] == method],
     }
 
 
@@ -78,6 +134,13 @@ def evaluation_markdown(record: dict[str, Any]) -> str:
             line = next(line for line in LINES if line.key == key)
             text += ["", f"### {line.title}, by category, camera {camera}", ""]
             text += _category_table(line, columns)
+        for method, pairs in record["pairs"][camera].items():
+            text += [
+                "",
+                f"### {method} against the others, picture by picture, camera {camera}",
+                "",
+            ]
+            text += pairs_table({name: pairs[name] for name in record["methods"] if name in pairs})
     if record["unusable"]:
         text += ["", "## Left out", ""]
         text += [f"- {name}: {why}" for name, why in sorted(record["unusable"].items())]
@@ -135,10 +198,18 @@ def _main_table(camera: str, columns: dict[str, Any]) -> list[str]:
 def _cell(line: Line, figure: dict[str, float] | None, camera: str) -> str:
     if figure is None:
         return ""
-    digits = line.digits
-    value = f"{figure['value']:.{digits}f}"
-    value = f"**{value}**" if line.reaches(figure["value"], camera) else value
-    return f"{value} ({figure['low']:.{digits}f}–{figure['high']:.{digits}f})"
+    text = _interval(line, figure)
+    if line.reaches(figure["value"], camera):
+        value, _, interval = text.partition(" ")
+        text = f"**{value}** {interval}"
+    return text
+
+
+def _interval(line: Line, figure: dict[str, float] | None) -> str:
+    if figure is None:
+        return ""
+    value, low, high = (f"{figure[name]:.{line.digits}f}" for name in ("value", "low", "high"))
+    return f"{value} ({low}–{high})"
 
 
 def _goal_text(line: Line, camera: str) -> str:
@@ -158,9 +229,6 @@ def _category_table(line: Line, columns: dict[str, Any]) -> list[str]:
     for category in categories:
         found = [column["categories"].get(category) for column in columns.values()]
         n = max(entry["n"] for entry in found if entry)
-        cells = [
-            "" if not entry or entry[line.key] is None else f"{entry[line.key]:.{line.digits}f}"
-            for entry in found
-        ]
+        cells = [_interval(line, entry[line.key]) if entry else "" for entry in found]
         table.append(f"| {category} | {n} | {' | '.join(cells)} |")
     return table

@@ -150,34 +150,40 @@ def summarize_rows(rows: Sequence[Row]) -> dict[str, dict[str, float | int] | No
 
 
 def by_category(rows: Sequence[Row], keys: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Some lines for each category of the rows, without intervals; "n" counts the pictures."""
+    """Some lines for each category of the rows; "n" counts the pictures.
+
+    Returns:
+        Category -> {"n": count, line's key -> figure as in `summarize_rows`}.
+    """
     lines = [line for line in LINES if line.key in keys]
     result: dict[str, dict[str, Any]] = {}
     for category in sorted({row.category for row in rows}):
         own = [row for row in rows if row.category == category]
-        result[category] = {"n": len(own)}
-        for line in lines:
-            values = _picked(line, own)
-            value = round(float(line.reduce(values)), line.digits) if len(values) else None
-            result[category][line.key] = value
+        result[category] = {"n": len(own), **{line.key: _figure(line, own) for line in lines}}
     return result
 
 
-def _picked(line: Line, rows: Sequence[Row]) -> NDArray[np.float64]:
-    values = [line.pick(row) for row in rows]
-    return np.array([value for value in values if value is not None], np.float64)
+def bootstrap(
+    values: NDArray[np.float64], reduce: Reduce, digits: int, name: str = "value"
+) -> dict[str, float]:
+    """A figure with its 90 % percentile bootstrap interval, which is the same every time.
+
+    Args:
+        values: (N,), one for each picture.
+        reduce: Many of them as one number, along the last axis.
+        digits: To keep.
+        name: Of the figure, beside "low" and "high".
+    """
+    random = np.random.default_rng(0)
+    draws = random.integers(len(values), size=(_RESAMPLES, len(values)))
+    low, high = np.percentile(reduce(values[draws]), _LEVEL)
+    found = {name: reduce(values), "low": low, "high": high}
+    return {key: round(float(value), digits) for key, value in found.items()}
 
 
 def _figure(line: Line, rows: Sequence[Row]) -> dict[str, float | int] | None:
-    values = _picked(line, rows)
+    picked = [line.pick(row) for row in rows]
+    values = np.array([value for value in picked if value is not None], np.float64)
     if not len(values):
         return None
-    random = np.random.default_rng(0)
-    draws = random.integers(len(values), size=(_RESAMPLES, len(values)))
-    low, high = np.percentile(line.reduce(values[draws]), _LEVEL)
-    return {
-        "value": round(float(line.reduce(values)), line.digits + 1),
-        "low": round(float(low), line.digits + 1),
-        "high": round(float(high), line.digits + 1),
-        "n": len(values),
-    }
+    return {**bootstrap(values, line.reduce, line.digits + 1), "n": len(values)}

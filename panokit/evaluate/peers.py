@@ -14,6 +14,7 @@ import shlex
 import subprocess
 import tempfile
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import cv2
@@ -21,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.errors import ItemError, ModelError, UsageError
-from panokit.evaluate.predictors import Method, file_digest, seen_digests
+from panokit.evaluate.predictors import FOLD, PER_FOLD, Method, file_digest, seen_digests
 from panokit.evaluate.probe_set import ListedProbe
 from panokit.inference import Session
 from panokit.io import read_environment_map
@@ -134,12 +135,23 @@ class CommandPredictor:
             )
 
 
-def onnx_method(path: Path) -> Method:
-    """An ONNX file as a column named like the file.
+def onnx_method(where: Path | str) -> Method:
+    """An ONNX file as a column named like the file, or a pattern with {fold} for one each.
 
     Raises:
         ModelError: If it cannot be loaded, or does not take one RGB picture.
     """
+    pattern = str(where)
+    # One at a time: a network at full size keeps gigabytes of scratch memory.
+    load = lru_cache(maxsize=1)(lambda place: _onnx_predictor(Path(place)))
+    load(pattern.replace(FOLD, "0"))
+    return Method(
+        name=Path(pattern).stem.replace(FOLD, "") + (PER_FOLD if FOLD in pattern else ""),
+        predictor=lambda fold: load(pattern.replace(FOLD, str(fold))),
+    )
+
+
+def _onnx_predictor(path: Path) -> OnnxPredictor:
     session = Session(path, threads=1)
     shapes = session.input_shapes
     fits = len(shapes) == 1 and len(shapes[0]) == 4 and 3 in (shapes[0][1], shapes[0][-1])
@@ -148,10 +160,7 @@ def onnx_method(path: Path) -> Method:
             f"{path} takes inputs of shape {[list(shape) for shape in shapes]}; a peer takes one "
             "RGB picture, (1, 3, H, W) or (1, H, W, 3). See docs/commands/evaluate.md."
         )
-    predictor = OnnxPredictor(
-        digest=file_digest(path), session=session, seen=seen_digests(path.parent)
-    )
-    return Method(name=path.stem, predictor=lambda fold: predictor)
+    return OnnxPredictor(digest=file_digest(path), session=session, seen=seen_digests(path.parent))
 
 
 def command_method(text: str, timeout_s: float) -> Method:

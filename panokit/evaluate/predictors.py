@@ -26,6 +26,8 @@ from panokit.provenance import digest_of
 from panokit.weights import ReleasedModel, find_model, read_model
 
 TRAINING_RECORD = "training.json"
+# Stands for the number of the fold in a path; and what a method with one model for each is called.
+FOLD, PER_FOLD = "{fold}", " (per fold)"
 
 
 class Predictor(Protocol):
@@ -130,11 +132,13 @@ class ModelPredictor:
         return compose(reduced, predict(reduced, self.network))
 
     def has_seen(self, probe: ListedProbe) -> bool | None:
-        """By the model's training.json; a recipe without one trains on all usable probes."""
-        if self.unseen_by_fold:
-            return False
+        """By the model's training.json; else a model for each fold is taken at its word, and a
+        recipe trains on all usable probes.
+        """  # noqa: D205
         if self.seen is not None:
             return probe.sha256 in self.seen
+        if self.unseen_by_fold:
+            return False
         return True if (self.model.folder / "recipe.toml").is_file() else None
 
 
@@ -153,13 +157,13 @@ def model_method(where: str) -> Method:
             model=model,
             network=ExpansionNetwork(model, threads=1),
             seen=seen_digests(model.folder),
-            unseen_by_fold="{fold}" in where,
+            unseen_by_fold=FOLD in where,
         )
 
-    first = load(where.replace("{fold}", "0"))
+    first = load(where.replace(FOLD, "0"))
     return Method(
-        name=first.model.id + (" (per fold)" if "{fold}" in where else ""),
-        predictor=lambda fold: load(where.replace("{fold}", str(fold))),
+        name=first.model.id + (PER_FOLD if FOLD in where else ""),
+        predictor=lambda fold: load(where.replace(FOLD, str(fold))),
     )
 
 

@@ -5,7 +5,6 @@ probes    the HDR probes and their folds
 examples  their pictures, pooled to the grid once
 augment, losses, loop, ensemble   the training itself
 release   ONNX export, parity check, model.toml
-crossval  the experiment: folds and analytic methods
-report    its tables
-stage     training and judging from a recipe and a folder of probes
+folds     a network for each fold that has not seen it, for `panokit evaluate`
+stage     training from a recipe and a folder of probes
 """

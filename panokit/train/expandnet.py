@@ -67,6 +67,32 @@ def train_expandnet(
     """
     recipe = read_expandnet_recipe(recipe_path)
     probes = read_probes(probes_folder)
+    return train_without(recipe, probes, recipe_path.parent, work, own_right=own_right)
+
+
+def train_without(
+    recipe: ExpandNetRecipe,
+    probes: Sequence[ListedProbe],
+    folder: Path,
+    work: Path,
+    *,
+    own_right: str = "",
+) -> Path:
+    """Train a recipe on all folds but the one that it holds out.
+
+    Args:
+        recipe: What to train.
+        probes: All of them.
+        folder: Where `expandnet.onnx` and, last, `training.json` go.
+        work: For the checkpoint.
+        own_right: See `train_expandnet`.
+
+    Returns:
+        The ONNX file.
+
+    Raises:
+        LicenseError: If the license of a probe does not permit training.
+    """
     folds = assign_folds(probes, recipe.folds)
     known = [p for p, fold in zip(probes, folds, strict=True) if fold != recipe.held_out]
     check_rights(known, own_right)
@@ -75,9 +101,9 @@ def train_expandnet(
     network, losses = fit_expandnet(
         photographed, recipe, checkpoint=work / f"expandnet-{recipe.digest[:12]}.pt"
     )
-    path = recipe_path.parent / MODEL_FILE
+    path = folder / MODEL_FILE
     export_expandnet(network, path)
-    write_json(recipe_path.parent / "training.json", training_record(recipe, known, losses))
+    write_json(folder / "training.json", training_record(recipe, known, losses))
     return path
 
 

@@ -62,6 +62,7 @@ def test_one_fold_is_judged_with_a_rule_of_the_other(probe_folder, tmp_path):
     assert {row.fold for row in result.rows} == {1}
     assert len({row.probe for row in result.rows}) == 4
     assert set(result.rules) == {0, 1}
+    assert len(result.rule_of_all) == 2
 
 
 def test_an_interrupted_run_goes_on_and_a_new_method_costs_only_itself(probe_folder, tmp_path):
@@ -160,6 +161,48 @@ def test_a_released_model_was_trained_on_every_usable_probe(probe_folder):
     assert released.predictor(0).has_seen(probe) is True
     with pytest.raises(ModelError, match="no-such"):
         model_method("no-such")
+
+
+def test_a_model_for_each_fold_leaves_what_its_release_carries(probe_folder, tmp_path):
+    settings = QUICK.model_copy(update={"roll_probes": 0, "cameras": ("A",)})
+    methods = [method(Peer(seen=frozenset()), "mine (per fold)"), method(Peer("2"), "other")]
+    write_evaluation(evaluate_expansion(probe_folder, methods, tmp_path, settings), tmp_path)
+    assert [path.name for path in tmp_path.glob("metrics-*")] == ["metrics-mine.json"]
+    metrics = json.loads((tmp_path / "metrics-mine.json").read_text(encoding="utf-8"))
+    assert metrics["model"] == "mine (per fold)"
+    assert set(metrics["cameras"]["A"]) == {*BASELINES, "mine (per fold)"}
+    assert len(metrics["rows"]) == 8
+    assert metrics["pairs"]["A"]["sRGB"]["irradiance_mean"]["n"] == 8
+    categories = metrics["cameras"]["A"]["mine (per fold)"]["categories"]
+    assert set(categories) == {"indoor", "outdoor"}
+    figure = categories["outdoor"]["irradiance_median"]
+    assert figure["low"] <= figure["value"] <= figure["high"]
+
+
+def test_methods_are_compared_picture_by_picture(probe_folder, tmp_path):
+    settings = QUICK.model_copy(update={"roll_probes": 0, "cameras": ("A",)})
+    result = evaluate_expansion(probe_folder, [method(Peer())], tmp_path, settings)
+    text = evaluation_markdown(evaluation_record(result))
+    assert "### peer against the others, picture by picture, camera A" in text
+    # The peer is the decoded picture.
+    assert "| sRGB | 0 of 8 | 0.000" in text.replace("-0.000", "0.000")
+
+
+def test_what_a_model_for_a_fold_has_seen_counts_more_than_its_place(probe_folder, tmp_path):
+    from panokit.evaluate.probe_set import find_probes
+
+    source = shipped_path("models/expand-1/model.toml").parent
+    probes = find_probes(probe_folder)
+    for fold in (0, 1):
+        folder = tmp_path / f"fold-{fold}"
+        folder.mkdir()
+        for file in (*source.glob("*.onnx"), source / "model.toml"):
+            (folder / file.name).symlink_to(file)
+        record = {"seen": {probes[fold].name: probes[fold].sha256}}
+        (folder / "training.json").write_text(json.dumps(record), encoding="utf-8")
+    per_fold = model_method(str(tmp_path / "fold-{fold}"))
+    assert per_fold.predictor(0).has_seen(probes[0]) is True
+    assert per_fold.predictor(1).has_seen(probes[0]) is False
 
 
 def test_models_for_each_fold_are_taken_for_unseen(probe_folder, tmp_path):

@@ -54,6 +54,19 @@ def test_any_onnx_of_a_picture_is_a_peer(tmp_path: Path, shape: list):
 
 
 @pytest.mark.train
+def test_a_peer_may_have_a_network_for_each_fold(tmp_path: Path):
+    for fold in (0, 1):
+        folder = tmp_path / f"fold-{fold}"
+        folder.mkdir()
+        onnx_file(folder / "net.onnx", [1, 3, "h", "w"], 2.0 + fold)
+    method = onnx_method(tmp_path / "fold-{fold}" / "net.onnx")
+    assert method.name == "net (per fold)"
+    first, second = (method.predictor(fold) for fold in (0, 1))
+    assert first.digest != second.digest
+    assert second.predict(PICTURE) == pytest.approx(1.5 * first.predict(PICTURE), rel=1e-5)
+
+
+@pytest.mark.train
 def test_a_network_of_fixed_size_gets_the_picture_at_its_size(tmp_path: Path):
     method = onnx_method(onnx_file(tmp_path / "small.onnx", [1, 3, 16, 32], 1.0))
     light = method.predictor(0).predict(PICTURE)

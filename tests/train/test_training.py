@@ -170,12 +170,3 @@ def test_a_file_that_computes_something_else_is_not_released():
     _check_parity("x.onnx", "log_gain", expected + np.float32(4e-5), expected)
     with pytest.raises(ModelError, match="log_gain differs"):
         _check_parity("x.onnx", "log_gain", expected + np.float32(2e-4), expected)
-
-
-def test_the_area_rule_is_recovered_from_examples_that_follow_it(examples: Examples):
-    from panokit.train.area_rule import fit_area_rule
-
-    gain = np.exp(0.3 - 0.6 * examples.features[..., 0])
-    follows = replace(examples, energy=(examples.ldr_energy * gain).astype(np.float32))
-    rule = fit_area_rule(follows)
-    assert (rule.offset, rule.slope) == pytest.approx((0.3, -0.6), abs=0.01)
