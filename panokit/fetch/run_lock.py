@@ -1,61 +1,22 @@
 """One run at a time in a folder, and a clean folder to begin with."""
 
-import os
 import re
 import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager
 from pathlib import Path
 
-from panokit.errors import UsageError
 from panokit.io.captures import RECORD
 from panokit.io.files import storage_error
+from panokit.io.lock import only_process
 
 LOCK = ".fetch.lock"
 # What fetch itself writes before the record; anything else in a folder is somebody's own.
 _OURS = re.compile(r"^(tiles/|views/)?(\.[^/]+\.part|\d+(_\d+)?\.\w+|image\.\w+)$")
 
 
-@contextmanager
-def only_run(out: Path) -> Iterator[None]:
-    """Hold the folder of a run; a lock ends with its process, however that ends.
-
-    Raises:
-        UsageError: If another process fetches into it: a cron job that overtakes itself.
-        StorageError: If the folder cannot be written.
-    """
-    try:
-        import fcntl
-    except ImportError:  # not on this system
-        yield
-        return
-    path = out / LOCK
-    while True:
-        try:
-            out.mkdir(parents=True, exist_ok=True)
-            descriptor = os.open(path, os.O_CREAT | os.O_RDWR, 0o666)
-        except OSError as error:
-            raise storage_error("write", path, error) from error
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            os.close(descriptor)
-            raise UsageError(
-                f"Another process is fetching into {out}. Wait for it, or choose another --out."
-            ) from None
-        except OSError:
-            pass  # a file system without locks
-        # Its last holder may have removed the file between our opening and locking it.
-        with suppress(FileNotFoundError):
-            if path.stat().st_ino == os.fstat(descriptor).st_ino:
-                break
-        os.close(descriptor)
-    try:
-        yield
-    finally:
-        with suppress(OSError):
-            path.unlink()
-        os.close(descriptor)
+def only_run(out: Path) -> AbstractContextManager[None]:
+    """Hold the folder of a run; see `panokit.io.lock.only_process`."""
+    return only_process(out, LOCK, "fetching into")
 
 
 def remove_unfinished(out: Path) -> int:
