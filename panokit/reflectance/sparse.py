@@ -1,0 +1,195 @@
+"""The sparse reflectance map: what each orientation of a surface looks like, where it is seen.
+
+For every normal of the half sphere the pixels are gathered whose own normal is within a gate
+of it, 5 degrees if not said otherwise; one of them, or their mean, is the cell's color. The
+rule of the 2018 thesis's program is `Rule.BRIGHTEST`: of several pixels with one orientation
+the darker ones lie in shadow. Where no pixel has such a normal, the cell is empty.
+
+This is the reference: simple and exact. `panokit.networks` has the same for batches.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from panokit.color import luminance
+from panokit.errors import UsageError
+from panokit.reflectance.grid import hemisphere_normals, reach_in_cells
+
+GATE_DEG = 5.0
+_TOP = 5
+
+
+class Rule(StrEnum):
+    """Which color a cell takes from the pixels within its gate.
+
+    BRIGHTEST: that of the pixel with the highest luminance (the thesis's program). WEIGHTED: of
+    the highest luminance times the cosine between the pixel's and the cell's normal (the
+    thesis's formula). MEDIAN: of the pixel with the median luminance, the lower of two. TOP: the
+    mean of the five brightest.
+    """
+
+    BRIGHTEST = "brightest"
+    WEIGHTED = "weighted"
+    MEDIAN = "median"
+    TOP = "top"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SparseReflectance:
+    """Colors by normal.
+
+    Attributes:
+        color: (W, W, 3) float32, on the scale of the picture; zero where a cell is empty.
+        hits: (W, W) int32, how many pixels lie within each cell's gate.
+    """
+
+    color: NDArray[np.float32]
+    hits: NDArray[np.int32]
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """(W, W), where the map says anything."""
+        return self.hits > 0
+
+
+def sparse_reflectance(
+    picture: NDArray[np.floating[Any]],
+    normals: NDArray[np.floating[Any]],
+    mask: NDArray[np.bool_],
+    *,
+    width_px: int = 64,
+    gate_deg: float = GATE_DEG,
+    rule: Rule = Rule.BRIGHTEST,
+) -> SparseReflectance:
+    """Gather the colors of an object's pixels by their normals.
+
+    Args:
+        picture: (H, W, 3), linear or display-encoded.
+        normals: (H, W, 3) in the camera's frame, of unit length where `mask` is true; those
+            that look away from the camera count for no cell that they cannot reach.
+        mask: (H, W), the object's pixels.
+        width_px: Of the map.
+        gate_deg: How far a pixel's normal may be from a cell's.
+        rule: See `Rule`; of equal pixels the first counts, row by row.
+
+    Raises:
+        UsageError: If the shapes do not fit, or a value is not finite.
+    """
+    _check(picture, normals, mask, gate_deg)
+    colors = np.asarray(picture, np.float32)[mask]
+    own = np.asarray(normals, np.float32)[mask]
+    light = luminance(colors)
+    cells = width_px * width_px
+    if rule is not Rule.BRIGHTEST:
+        cell, pixel, cosine = _pairs(own, width_px, gate_deg)
+        hits = np.bincount(cell, minlength=cells).astype(np.int32)
+        found = _by_rule(rule, cell, pixel, cosine, colors, light, hits)
+        return _as_map(found, hits, width_px)
+    # From dark to bright, and of equal ones from last to first: the last that is written wins.
+    order = np.arange(len(own))[::-1]
+    order = order[np.argsort(light[order], kind="stable")]
+    best = np.full(cells, -1, np.int64)
+    hits = np.zeros(cells, np.int64)
+    for cell, place, _ in _within_gate(own[order], width_px, gate_deg):
+        brightest = np.full(cells, -1, np.int64)
+        brightest[cell] = place
+        np.maximum(best, brightest, out=best)
+        hits += np.bincount(cell, minlength=cells)
+    found = np.zeros((cells, 3), np.float32)
+    found[best >= 0] = colors[order[best[best >= 0]]]
+    return _as_map(found, hits.astype(np.int32), width_px)
+
+
+def _within_gate(
+    own: NDArray[np.float32], width_px: int, gate_deg: float
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]]:
+    """For each offset the (cell, place in `own`, cosine) of what lies within the gate."""
+    grid, inside = hemisphere_normals(width_px)
+    reach = reach_in_cells(gate_deg, width_px)
+    margin = max(abs(row) for row, _ in reach)
+    wide = width_px + 2 * margin
+    # Around the picture, and beyond the circle, lies what no normal is near to.
+    padded = np.zeros((wide, wide, 3), np.float32)
+    padded[..., 2] = -2.0
+    middle = slice(margin, margin + width_px)
+    padded[middle, middle][inside] = grid[inside]
+    table = np.ascontiguousarray(padded.reshape(-1, 3).T)
+    number = np.zeros((wide, wide), np.int64)
+    number[middle, middle] = np.arange(width_px**2).reshape(width_px, width_px)
+    number = number.reshape(-1)
+    x, y, z = np.ascontiguousarray(own.T)
+    column = np.clip(((x + 1) * (width_px / 2)).astype(np.int64), 0, width_px - 1)
+    row = np.clip(((1 - y) * (width_px / 2)).astype(np.int64), 0, width_px - 1)
+    base = (row + margin) * wide + column + margin
+    least = np.float32(np.cos(np.deg2rad(gate_deg)))
+    for down, right in reach:
+        there = base + (down * wide + right)
+        cosine = x * table[0][there] + y * table[1][there] + z * table[2][there]
+        near = np.flatnonzero(cosine > least)
+        yield number[there[near]], near, cosine[near]
+
+
+def _pairs(
+    own: NDArray[np.float32], width_px: int, gate_deg: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
+    """All (cell, pixel, cosine) within the gate."""
+    cells, pixels, cosines = zip(*_within_gate(own, width_px, gate_deg), strict=True)
+    return np.concatenate(cells), np.concatenate(pixels), np.concatenate(cosines)
+
+
+def _by_rule(
+    rule: Rule,
+    cell: NDArray[np.int64],
+    pixel: NDArray[np.int64],
+    cosine: NDArray[np.float32],
+    colors: NDArray[np.float32],
+    light: NDArray[np.floating[Any]],
+    hits: NDArray[np.int32],
+) -> NDArray[np.float32]:
+    found = np.zeros((len(hits), 3), np.float32)
+    if len(cell) == 0:
+        return found
+    value = light[pixel] * cosine if rule is Rule.WEIGHTED else light[pixel]
+    # By cell, then from bright to dark, then in the order of the picture.
+    order = np.lexsort((pixel, -value, cell))
+    cell, pixel = cell[order], pixel[order]
+    first = np.concatenate([[0], np.cumsum(hits)[:-1]])
+    filled = hits > 0
+    if rule is Rule.TOP:
+        rank = np.arange(len(cell)) - first[cell]
+        taken = rank < _TOP
+        np.add.at(found, cell[taken], colors[pixel[taken]])
+        found[filled] /= np.minimum(hits[filled], _TOP)[:, None]
+        return found
+    place = first + hits // 2 if rule is Rule.MEDIAN else first
+    found[filled] = colors[pixel[place[filled]]]
+    return found
+
+
+def _as_map(
+    found: NDArray[np.float32], hits: NDArray[np.int32], width_px: int
+) -> SparseReflectance:
+    return SparseReflectance(
+        color=found.reshape(width_px, width_px, 3), hits=hits.reshape(width_px, width_px)
+    )
+
+
+def _check(
+    picture: NDArray[Any], normals: NDArray[Any], mask: NDArray[Any], gate_deg: float
+) -> None:
+    shape = mask.shape
+    if len(shape) != 2 or picture.shape != (*shape, 3) or normals.shape != (*shape, 3):
+        raise UsageError(
+            f"A picture (H, W, 3), its normals (H, W, 3) and its mask (H, W) go together, not "
+            f"{picture.shape}, {normals.shape} and {shape}."
+        )
+    if not 0 < gate_deg < 90:
+        raise UsageError(f"A gate is more than 0 and less than 90 degrees wide, not {gate_deg}.")
+    chosen = np.asarray(mask, bool)
+    if not (np.isfinite(picture[chosen]).all() and np.isfinite(normals[chosen]).all()):
+        raise UsageError("The object's colors and normals must be finite. Leave such pixels out.")
