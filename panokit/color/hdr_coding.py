@@ -55,22 +55,21 @@ class HdrCoding:
 
     def encode(self, radiance: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
         """Radiance (..., 3) >= 0 as code values, about -1 to 1, float32."""
-        logs = np.log1p(np.asarray(radiance, np.float64)) / self.log_max
+        logs = np.asarray(np.log1p(np.asarray(radiance, np.float64)) / self.log_max)
         if self.color is ColorCode.RGB:
-            return (2 * logs - 1).astype(np.float32)
+            return np.asarray(2 * logs - 1, np.float32)
         lab = lab_from_rgb(logs, self._scheme)
         return (lab / _LAB_SCALE - _LAB_SHIFT).astype(np.float32)
 
     def decode(self, code: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
         """Code values (..., 3) as radiance >= 0, float32."""
         values = np.asarray(code, np.float64)
-        if self.color is ColorCode.RGB:
-            logs = (values + 1) / 2
-        else:
+        logs: NDArray[np.floating[Any]] = (values + 1) / 2
+        if self.color is not ColorCode.RGB:
             logs = rgb_from_lab((values + _LAB_SHIFT) * _LAB_SCALE, self._scheme)
         if self.color is ColorCode.PIX2PIX:
             logs = np.clip(logs, 0, 1)
-        return np.expm1(np.maximum(logs, 0) * self.log_max).astype(np.float32)
+        return np.asarray(np.expm1(np.maximum(logs, 0) * self.log_max), np.float32)
 
     def beyond(self, radiance: NDArray[np.floating[Any]]) -> int:
         """How many values are brighter than what is coded as 1."""

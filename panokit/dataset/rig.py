@@ -46,7 +46,7 @@ def place_rig(
         UsageError: If the object fits at no distance.
     """
     center = (points.min(axis=0) + points.max(axis=0)) / 2
-    points = np.asarray(points, np.float64)
+    corners = np.asarray(points, np.float64)
     world_from_rig = Rotation.from_heading_pitch_roll(
         0.0, float(np.deg2rad(pitch_deg)), float(np.deg2rad(roll_deg))
     )
@@ -55,7 +55,7 @@ def place_rig(
         return _pair(settings, world_from_rig, center, distance, baseline_m)
 
     def is_far_enough(distance: float) -> bool:
-        return _fits(pair(distance), points, fill)
+        return _fits(pair(distance), corners, fill)
 
     # In front of the nearest vertex; the object then only becomes smaller with the distance.
     depth = (points - center) @ world_from_rig.matrix[:, 2]

@@ -45,8 +45,9 @@ def segment_materials(
     if count == 0:
         return found
     cv2.setRNGSeed(seed)
+    no_labels = np.empty(0, np.int32)
     _, labels, _ = cv2.kmeans(
-        np.ascontiguousarray(colors), count, None, _STOP, _ATTEMPTS, cv2.KMEANS_PP_CENTERS
+        np.ascontiguousarray(colors), count, no_labels, _STOP, _ATTEMPTS, cv2.KMEANS_PP_CENTERS
     )
     labels = labels.ravel()
     by_size = np.argsort(-np.bincount(labels, minlength=count), kind="stable")

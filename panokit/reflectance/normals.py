@@ -39,7 +39,7 @@ def add_noise(
         raise UsageError(f"Normals can be off by 0 to 45 degrees on average, not {mean_deg}.")
     tilt = np.random.default_rng(seed).standard_normal((*mask.shape, 2))
     if smooth_px > 0:
-        tilt = cv2.GaussianBlur(tilt, (0, 0), smooth_px)
+        tilt = np.asarray(cv2.GaussianBlur(tilt, (0, 0), smooth_px), np.float64)
         tilt /= tilt.std()
     # The mean length of a vector of two unit normal components is sqrt(pi / 2).
     tilt *= np.deg2rad(mean_deg) / np.sqrt(np.pi / 2)
@@ -98,8 +98,9 @@ def _normals_of_inverse(
     y = ((np.arange(height) + 0.5 - center[1]) / focal_px)[:, None] + np.zeros((1, width))
 
     def mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        return cv2.boxFilter(values * seen, -1, (window_px, window_px), normalize=True,
-                             borderType=cv2.BORDER_CONSTANT)  # fmt: skip
+        window = (window_px, window_px)
+        summed = cv2.boxFilter(values * seen, -1, window, borderType=cv2.BORDER_CONSTANT)
+        return np.asarray(summed, np.float64)
 
     share = mean(np.ones_like(inverse))
     count = np.maximum(share, 1e-12)

@@ -119,9 +119,9 @@ def _within_gate(
     middle = slice(margin, margin + width_px)
     padded[middle, middle][inside] = grid[inside]
     table = np.ascontiguousarray(padded.reshape(-1, 3).T)
-    number = np.zeros((wide, wide), np.int64)
-    number[middle, middle] = np.arange(width_px**2).reshape(width_px, width_px)
-    number = number.reshape(-1)
+    numbers = np.zeros((wide, wide), np.int64)
+    numbers[middle, middle] = np.arange(width_px**2).reshape(width_px, width_px)
+    number = numbers.reshape(-1)
     x, y, z = np.ascontiguousarray(own.T)
     column = np.clip(((x + 1) * (width_px / 2)).astype(np.int64), 0, width_px - 1)
     row = np.clip(((1 - y) * (width_px / 2)).astype(np.int64), 0, width_px - 1)

@@ -86,7 +86,9 @@ def depth_from_stereo(
         mode=cv2.STEREO_SGBM_MODE_HH,
     )  # fmt: skip
     found = matcher.compute(*padded)[:, steps:].astype(np.float32) / 16 / _ENLARGED
-    disparity = cv2.resize(found, (width, height), interpolation=cv2.INTER_NEAREST)
+    disparity = np.asarray(
+        cv2.resize(found, (width, height), interpolation=cv2.INTER_NEAREST), np.float32
+    )
     known = mask & (disparity > 0.25)
     filled = _fill(disparity, known, mask)
     depth = focal_px * baseline_m / np.maximum(filled, 1e-6)
@@ -111,7 +113,7 @@ def _fill(
         near = missing & (count > 0.5)
         filled[near] = total[near] / count[near]
         have[near] = 1
-    return cv2.medianBlur(filled, 5)
+    return np.asarray(cv2.medianBlur(filled, 5), np.float32)
 
 
 def _gray(view: NDArray[np.floating[Any]]) -> NDArray[np.uint8]:
