@@ -59,7 +59,7 @@ class HdrCoding:
         if self.color is ColorCode.RGB:
             return np.asarray(2 * logs - 1, np.float32)
         lab = lab_from_rgb(logs, self._scheme)
-        return (lab / _LAB_SCALE - _LAB_SHIFT).astype(np.float32)
+        return np.asarray(lab / _LAB_SCALE - _LAB_SHIFT, np.float32)
 
     def decode(self, code: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
         """Code values (..., 3) as radiance >= 0, float32."""
