@@ -4,6 +4,8 @@ Each maker fills `Solids` in meters, standing on y = 0 with its front toward +z.
 body, 1 tops and doors, 2 handles and what stands on it.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from panokit.dataset.objects.seating import legs
@@ -145,7 +147,7 @@ def _fronts(
     x0, y0, x1, y1 = area
     edges = np.linspace(y0, y1, rows + 1)
     knob = chance(rng, 0.5)
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         solids.box(1, (x0 + 0.006, low + 0.006, z), (x1 - 0.006, high - 0.006, z + 0.018), 0.004)
         y, middle = (low + high) / 2, (x0 + x1) / 2
         if rows == 1 and columns > 1:

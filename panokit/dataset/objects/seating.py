@@ -120,9 +120,10 @@ def _upholstered(solids: Solids, rng: np.random.Generator, seats: int) -> None:
     x, base = inner + arm, seat - 0.16
     for side in (-1, 1):
         for end in (-1, 1):
-            low = np.array([side * (x - 0.07), 0, end * (z - 0.07)])
+            at = (side * (x - 0.07), end * (z - 0.07))
             taper = np.linspace(0.6, 1.0, 2)
-            solids.sweep(2, [low, low + [0, foot + 0.02, 0]], round_section(0.03, 10), taper)
+            rod = [[at[0], 0, at[1]], [at[0], foot + 0.02, at[1]]]
+            solids.sweep(2, rod, round_section(0.03, 10), taper)
     solids.cushion(0, (-x + 0.02, foot, -z), (x - 0.02, base + 0.02, z - 0.02), 0.03)
     thick = between(rng, 0.16, 0.24)
     solids.cushion(0, (-x + 0.01, foot, -z), (x - 0.01, back, -z + thick), 0.05)

@@ -4,7 +4,7 @@ Every solid is watertight by itself and its triangles run counter-clockwise seen
 An object is a heap of them: they may reach into each other and are not united.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import product
 from typing import Any
