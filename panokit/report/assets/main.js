@@ -1,0 +1,48 @@
+// Starts the page. Everything a reader needs stands in it already; this makes it move.
+
+function whenWhole() {
+  return document.readyState === "loading"
+    ? new Promise((resolve) => { document.addEventListener("DOMContentLoaded", resolve, { once: true }); })
+    : Promise.resolve();
+}
+
+function makeRenderer() {
+  if (typeof DecompressionStream === "undefined") return null;
+  try {
+    return new Renderer(PALETTE);
+  } catch {
+    return null;
+  }
+}
+
+function start() {
+  document.documentElement.classList.add("scripted");
+  document.querySelectorAll("table.sortable").forEach(makeSortable);
+  if (!MAPS.length) return;
+  const renderer = makeRenderer();
+  const viewer = new Viewer(MAPS, renderer);
+  const gallery = new Gallery(MAPS, renderer);
+  viewer.order = () => gallery.shown;
+  const open = async (index) => {
+    await whenWhole();
+    viewer.open(index);
+  };
+  gallery.cards.forEach((card, index) => {
+    const button = card.querySelector("button");
+    button.disabled = false;
+    button.addEventListener("click", () => open(index));
+  });
+  // A link to a map opens it, so that a map can be pointed to from outside.
+  const openNamed = () => {
+    const index = MAPS.findIndex((map) => `#${map.anchor}` === location.hash);
+    if (index >= 0) open(index);
+  };
+  addEventListener("hashchange", openNamed);
+  document.addEventListener("click", (event) => {
+    const link = event.target.closest?.("a.map-link");
+    if (link && link.hash === location.hash) openNamed();
+  });
+  openNamed();
+}
+
+start();
