@@ -6,4 +6,5 @@ camera         the torch twin of the camera in `panokit.color`
 expandnet      ExpandNet as published, to compare with
 expansion_net  both, for every picture of a turned panorama, as one network
 curve          the torch twin of the response curve in `panokit.expand`
+stereo         lighting from two views of an object
 """

@@ -83,7 +83,8 @@ def sparse_reflectance(
     _check(picture, normals, mask, gate_deg)
     colors = np.asarray(picture, np.float32)[mask]
     own = np.asarray(normals, np.float32)[mask]
-    light = luminance(colors)
+    # In double precision: rounding must not decide which of two pixels is brighter.
+    light = luminance(colors.astype(np.float64))
     cells = width_px * width_px
     if rule is not Rule.BRIGHTEST:
         cell, pixel, cosine = _pairs(own, width_px, gate_deg)

@@ -14,7 +14,7 @@ def by_loop(picture, normals, mask, width, gate_deg, rule):
     """One cell after the other, one masked search per cell."""
     grid, inside = hemisphere_normals(width)
     colors, own = picture[mask], normals[mask]
-    light = luminance(colors)
+    light = luminance(colors.astype(np.float64))
     color, hits = np.zeros((width, width, 3), np.float32), np.zeros((width, width), int)
     for row, column in zip(*np.nonzero(inside), strict=True):
         n = grid[row, column]

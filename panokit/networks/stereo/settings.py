@@ -1,0 +1,80 @@
+"""Which stereo network: the choices that the 2018 thesis compares, and those beyond it."""
+
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from panokit.settings import Settings
+
+ENCODER_BLOCKS = 3
+
+
+class StereoNetSettings(Settings):
+    """A network from two views (and perhaps the background) to an environment map."""
+
+    fusion: Literal["concat", "similarity"] = "similarity"
+    """Whether the two views' features are only put side by side, or compared too."""
+
+    weights: Literal["unshared", "shared", "copy-left"] = "shared"
+    """Whether both views go through one encoder. "copy-left" trains it on the left view alone,
+    as the thesis did."""
+
+    background: Literal["composited", "none", "branch"] = "branch"
+    """Whether the object is seen on its background, on zero, or on zero with the background in
+    an encoder of its own."""
+
+    similarity: Literal["pointwise", "epipolar", "row", "full"] = "epipolar"
+    """What is compared: the same place, places along the row within reach, all of the row, or
+    all places."""
+
+    reach: int = Field(default=4, ge=0)
+    """How many features to either side "epipolar" compares."""
+
+    pyramid: bool = False
+    """Whether the views are compared after each block of the encoder, not only after the last."""
+
+    multi_scale: bool = False
+    """Whether early features go to the decoder too."""
+
+    layers: int = Field(default=1, ge=1, le=5)
+    """Convolutions in a block: 1 is the thesis's shallow network, 3 its deep one."""
+
+    width: int = Field(default=32, ge=4)
+    """Features after the first block; each block of the encoder doubles them."""
+
+    input_px: int = Field(default=128, ge=16)
+    """Width and height of the views, a multiple of 8."""
+
+    output_px: int = Field(default=64, ge=8)
+    """Width and height of the map."""
+
+    wrap: bool = False
+    """Whether the decoder's last convolutions close the map in azimuth."""
+
+    @model_validator(mode="after")
+    def _fits(self) -> "StereoNetSettings":
+        if self.input_px % 2**ENCODER_BLOCKS:
+            raise ValueError(f"input_px is a multiple of {2**ENCODER_BLOCKS}")
+        if self.output_px & (self.output_px - 1):
+            raise ValueError("output_px is a power of two")
+        if self.pyramid and self.fusion == "concat":
+            raise ValueError('a pyramid of similarities needs fusion = "similarity"')
+        return self
+
+
+# The thesis's configurations (its section 4.3): name -> choices.
+_PLAIN = {"similarity": "pointwise", "background": "composited"}
+THESIS: dict[str, dict[str, object]] = {
+    "concat-unshared": {**_PLAIN, "fusion": "concat", "weights": "unshared"},
+    "concat-shared": {**_PLAIN, "fusion": "concat"},
+    "dot-product": {**_PLAIN},
+    "no-background": {**_PLAIN, "background": "none"},
+    "background-branch": {**_PLAIN, "background": "branch"},
+    "pyramid": {**_PLAIN, "background": "branch", "pyramid": True},
+    "pyramid-multi-scale": {**_PLAIN, "background": "branch", "pyramid": True, "multi_scale": True},
+}
+
+
+def thesis_settings(name: str, *, deep: bool = False, **changes: object) -> StereoNetSettings:
+    """One of the thesis's networks, shallow or deep."""
+    return StereoNetSettings.model_validate({**THESIS[name], "layers": 3 if deep else 1, **changes})

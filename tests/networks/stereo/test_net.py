@@ -1,0 +1,93 @@
+"""The stereo networks: every choice runs, and does what it says."""
+
+import pytest
+from pydantic import ValidationError
+
+torch = pytest.importorskip("torch")
+
+from panokit.networks.stereo.net import StereoNet  # noqa: E402
+from panokit.networks.stereo.reflectance import Dematerial, PictureToMap  # noqa: E402
+from panokit.networks.stereo.settings import (  # noqa: E402
+    THESIS,
+    StereoNetSettings,
+    thesis_settings,
+)
+
+pytestmark = pytest.mark.train
+SMALL = {"width": 4, "input_px": 32, "output_px": 16}
+
+
+def views(size=32, seed=0):
+    generator = torch.Generator().manual_seed(seed)
+    return [torch.randn(2, 3, size, size, generator=generator) for _ in range(3)]
+
+
+@pytest.mark.parametrize("deep", [False, True])
+@pytest.mark.parametrize("name", THESIS)
+def test_every_network_of_the_thesis_runs(name, deep):
+    net = StereoNet(thesis_settings(name, deep=deep, **SMALL))
+    assert net(*views()).shape == (2, 3, 16, 16)
+
+
+@pytest.mark.parametrize("size, bottleneck", [(64, 8), (128, 8), (256, 4)])
+def test_the_thesis_sizes_end_in_64_pixels(size, bottleneck):
+    net = StereoNet(StereoNetSettings(width=4, input_px=size))
+    assert net.size in (bottleneck, 4)
+    assert net(*views(size)).shape == (2, 3, 64, 64)
+
+
+@pytest.mark.parametrize("kind", ["pointwise", "epipolar", "row", "full"])
+def test_every_comparison_runs(kind):
+    net = StereoNet(StereoNetSettings(similarity=kind, **SMALL))
+    assert net(*views()).shape == (2, 3, 16, 16)
+
+
+def test_copy_left_learns_nothing_from_the_right_view():
+    torch.manual_seed(0)
+    net = StereoNet(StereoNetSettings(weights="copy-left", fusion="concat", **SMALL))
+    left, right, behind = views()
+    right.requires_grad_(True)
+    net(left, right, behind).sum().backward()
+    assert right.grad is None or not right.grad.any()
+    shared = StereoNet(StereoNetSettings(weights="shared", fusion="concat", **SMALL))
+    shared(left, right, behind).sum().backward()
+    assert right.grad.any()
+
+
+def test_unshared_encoders_have_weights_of_their_own():
+    count = {}
+    for weights in ("shared", "unshared", "copy-left"):
+        net = StereoNet(StereoNetSettings(weights=weights, **SMALL))
+        count[weights] = sum(one.numel() for one in net.parameters())
+    assert count["unshared"] > count["shared"] == count["copy-left"]
+
+
+def test_the_background_counts_only_where_there_is_a_branch():
+    left, right, behind = views()
+    for background, counts in (("branch", True), ("composited", False)):
+        net = StereoNet(StereoNetSettings(background=background, **SMALL)).eval()
+        same = torch.equal(net(left, right, behind), net(left, right, behind + 1))
+        assert same is not counts
+
+
+def test_a_wrapped_decoder_gives_a_turned_map_for_turned_features():
+    net = StereoNet(StereoNetSettings(wrap=True, layers=2, **SMALL)).eval()
+    x = torch.randn(1, net.last.convolution.in_channels, 16, 16)
+    torch.testing.assert_close(net.last(torch.roll(x, 5, dims=-1)),
+                               torch.roll(net.last(x), 5, dims=-1))  # fmt: skip
+
+
+def test_contradictory_choices_are_refused():
+    with pytest.raises(ValidationError, match="pyramid"):
+        StereoNetSettings(pyramid=True, fusion="concat")
+    with pytest.raises(ValidationError, match="multiple of 8"):
+        StereoNetSettings(input_px=30)
+
+
+def test_the_networks_on_reflectance_maps_run():
+    for channels, size in ((4, 64), (3, 128)):
+        net = PictureToMap(channels, input_px=size, width=4)
+        assert net(torch.zeros(2, channels, size, size)).shape == (2, 3, 64, 64)
+    net = Dematerial(materials=3, background_px=32, width=4, layers=1)
+    maps = [torch.zeros(2, 4, 64, 64)] * 3
+    assert net(maps, torch.zeros(2, 3, 32, 32)).shape == (2, 3, 64, 64)
