@@ -43,6 +43,8 @@ _GROUPS = {
             "add": ("probes:add", "Put maps into a library"),
             "list": ("probes:list_probes", "List a library"),
             "show": ("probes:show", "All that is known of one probe"),
+            "select": ("probe_sets:select", "Choose probes, balanced and diverse"),
+            "export": ("probe_sets:export", "Write probes for other tools, with credits"),
             "verify": ("probes:verify", "Read and hash every probe again"),
             "reindex": ("probes:reindex", "Build the index from the records"),
             "pull": ("pull:pull", "Pull HDR maps of Poly Haven (CC0)"),

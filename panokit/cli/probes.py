@@ -1,142 +1,124 @@
 """`panokit probes`: the library of light probes."""
 
 import json as json_text
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from panokit.cli.options import Json
 from panokit.console import Console
+from panokit.probes.settings import AddSettings, ProbeFilter
+
+if TYPE_CHECKING:
+    from panokit.probes import Entry, Probe
 
 LibraryFolder = Annotated[Path, Parameter(help="The library's folder.")]
+Filter = Annotated[ProbeFilter, Parameter(name="*")]
+_LABEL_WIDTH, _WIDTH = 15, 80
 
 
 def add(
-    library: LibraryFolder, maps: list[Path], /, *, repair: bool = False, json: Json = False
+    library: LibraryFolder,
+    maps: list[Path],
+    /,
+    *,
+    settings: Annotated[AddSettings, Parameter(name="*")] = AddSettings(),
+    json: Json = False,
 ) -> int:
     """Put maps into a library; one that is there already is left as it is.
+
+    A folder may hold a manifest.csv with a line for each file: name, category, license, ...
 
     Parameters
     ----------
     maps
         A run folder, or HDR maps, or folders of them.
-    repair
-        Clean values that are not physical instead of rejecting the map.
     """
-    from panokit.errors import ItemError, Rejection, UsageError
-    from panokit.io import read_environment_map
-    from panokit.pipeline.inputs import map_paths
-    from panokit.probes import Library
+    from panokit.pipeline.adding import add_maps
 
     console = Console(as_json=json)
-    paths = map_paths(maps)
-    if not paths:
-        raise UsageError("There are no .exr or .hdr maps here. Check the paths.")
-    added, rejections = [], []
-    with Library.create(library) as shelves, console.stage("probes", len(paths)) as tick:
-        for path in paths:
-            try:
-                envmap = read_environment_map(path, repair=repair)
-                added.append(shelves.add(envmap, name=path.stem))
-                tick()
-            except ItemError as error:
-                rejections.append(Rejection.from_error(path.stem, "probes", error))
-                console.note(f"probes: {path.stem} rejected: {error}")
-                tick(rejected=True)
-    for one in added:
-        state = "added" if one.is_new else "there already"
+    result = add_maps(maps, library, settings, console)
+    for one in result.added:
+        state = "there already"
+        if one.is_new:
+            state = "added in place" if one.probe.source else "added"
         console.result(f"{one.probe.id}  {one.probe.name}  {state}")
+    new = sum(one.is_new for one in result.added)
+    if len(result.added) > 1:
+        console.note(
+            f"{new} added, {len(result.added) - new} there already, "
+            f"{len(result.rejections)} rejected"
+        )
     console.value(
         {
-            "added": [{"id": a.probe.id, "name": a.probe.name, "new": a.is_new} for a in added],
-            "rejected": [rejection.to_json() for rejection in rejections],
+            "added": [
+                {
+                    "id": one.probe.id,
+                    "name": one.probe.name,
+                    "new": one.is_new,
+                    "in_place": one.probe.source is not None,
+                }
+                for one in result.added
+            ],
+            "rejected": [rejection.to_json() for rejection in result.rejections],
         }
     )
-    return 1 if rejections else 0
+    return 1 if result.rejections else 0
 
 
 def list_probes(
     library: LibraryFolder,
     /,
     *,
-    name: str | None = None,
-    place: str | None = None,
-    license: str | None = None,
-    trainable: bool | None = None,
-    verdict: str | None = None,
+    wanted: Filter = ProbeFilter(),
     json: Json = False,
 ) -> int:
-    """List a library.
-
-    Parameters
-    ----------
-    name
-        Only probes whose name has this in it.
-    place
-        Only probes of this city or area.
-    license
-        Only probes with this license id.
-    trainable
-        Only probes whose license lets models be trained with them.
-    verdict
-        Only probes that QA let "pass", or "fail".
-    """
-    from panokit.probes import Library, ProbeFilter
+    """List a library, by name; options narrow it down."""
+    from panokit.probes import Library
 
     console = Console(as_json=json)
-    wanted = ProbeFilter(
-        name=name, place=place, license=license, trainable=trainable, verdict=verdict
-    )
     with Library.open(library) as shelves:
         entries = shelves.list(wanted)
-    console.table(
-        ("id", "name", "place", "stops", "qa", "license"),
-        [
-            (
-                entry.id[:10],
-                _tail(entry.name, 26),
-                _head(entry.place, 12),
-                "" if entry.dynamic_range_stops is None else f"{entry.dynamic_range_stops:.1f}",
-                entry.verdict,
-                entry.license,
-            )
-            for entry in entries
-        ],
-    )
-    console.note(f"{len(entries)} probes")
-    console.value([asdict(entry) for entry in entries])
+        count = len(shelves)
+    if entries:
+        console.table(("id", "name", "category", "kind", "stops", "sun", "qa", "license"),
+                      [_row(entry) for entry in entries])  # fmt: skip
+    console.note(_count_text(library, len(entries), count))
+    console.value([entry.to_json() for entry in entries])
     return 0
 
 
 def show(library: LibraryFolder, id: str, /, *, json: Json = False) -> int:
-    """All that is known of one probe.
+    """All that is known of one probe, and the chain that made it.
 
     Parameters
     ----------
     id
-        Its id, or its first digits.
+        Its id, or its first digits, or its name.
     """
-    from panokit.probes import Library
+    from panokit.probes import Library, chain_lines
 
     console = Console(as_json=json)
     with Library.open(library) as shelves:
         probe = shelves.show(id)
         path = shelves.map_path(probe.id)
-    capture = probe.capture
-    rows = [("id", probe.id), ("name", probe.name), ("map", str(path))]
-    rows += [("size", f"{probe.width_px}x{probe.width_px // 2}"), ("frame", str(probe.frame))]
-    rows += [("1.0 stands for", str(probe.anchor)), ("license", probe.license.id)]
-    rows += [("attribution", probe.license.attribution)] if probe.license.attribution else []
-    rows += [("source", f"{capture.provider} {capture.id}")] if capture else []
-    rows += [("place", capture.place)] if capture and capture.place else []
-    rows += [("steps", " > ".join(step.stage for step in probe.provenance.steps))]
+    for label, text in _facts(probe, path):
+        _say(console, label, text)
+    console.result("")
+    console.result("how it was made")
+    for stage, text in chain_lines(probe):
+        _say(console, f"  {stage}", text)
+    console.result("")
+    console.result(f"quality: {probe.report.verdict}")
     for check in probe.report.checks:
-        rows.append((f"qa {check.name}", f"{_figure(check.value)} {check.unit} {check.verdict}"))
-    for label, text in rows:
-        console.result(f"{label:20} {text}")
-    console.value(json_text.loads(json_text.dumps(probe.to_json(), default=str)))
+        value = f"{'-' if check.value is None else f'{check.value:.4g}'} {check.unit}".strip()
+        console.result(f"  {check.name:<18} {value:<18} {check.verdict}")
+    console.value(
+        {**json_text.loads(json_text.dumps(probe.to_json(), default=str)), "map": str(path)}
+    )
     return 0
 
 
@@ -145,8 +127,8 @@ def verify(library: LibraryFolder, /, *, json: Json = False) -> int:
     from panokit.probes import Library
 
     console = Console(as_json=json)
-    with Library.open(library) as shelves:
-        found = shelves.verify()
+    with Library.open(library) as shelves, console.stage("verify", len(shelves)) as tick:
+        found = shelves.verify(lambda damaged: tick(rejected=damaged))
     for problem in found.problems:
         console.result(f"damaged: {problem.folder}: {problem.message}")
     for name in found.swept:
@@ -174,6 +156,75 @@ def reindex(library: LibraryFolder, /, *, json: Json = False) -> int:
     return 0
 
 
+def _row(entry: "Entry") -> tuple[str, ...]:
+    stops = entry.dynamic_range_stops
+    return (
+        entry.id[:8],
+        _tail(entry.name, 20),
+        _head(entry.category, 13),
+        entry.kind[:6],
+        "" if stops is None else f"{stops:.1f}",
+        "sun" if entry.has_sun else "",
+        entry.verdict,
+        _head(entry.license, 12),
+    )
+
+
+def _count_text(library: Path, shown: int, count: int) -> str:
+    if count == 0:
+        return f"The library is empty. Add maps with: panokit probes add {library} MAP..."
+    if shown == 0:
+        return f"None of the {count} probes passes. Ask for less."
+    return f"{shown} probes" if shown == count else f"{shown} of {count} probes"
+
+
+def _facts(probe: "Probe", path: Path) -> list[tuple[str, str]]:
+    capture, terms = probe.capture, probe.license
+    permits = [act for act, allowed in (("store", terms.store), ("derive", terms.derive),
+                                        ("train", terms.train)) if allowed]  # fmt: skip
+    rows = [
+        ("id", probe.id),
+        ("name", probe.name),
+        ("map", f"{path}{' (used in place)' if probe.source else ''}"),
+        ("size", f"{probe.width_px}x{probe.width_px // 2}"),
+        ("kind", probe.kind),
+        ("category", probe.category),
+        ("tags", ", ".join(probe.tags)),
+        ("frame", str(probe.frame)),
+        ("1.0 stands for", str(probe.anchor)),
+        ("sun", _sun_text(probe)),
+        ("place", capture.place if capture else ""),
+        ("source", capture.source_url if capture else ""),
+        ("license", f"{terms.id}, permits {', '.join(permits) or 'nothing that is known'}"),
+        ("attribution", terms.attribution),
+    ]
+    return [(label, text) for label, text in rows if text]
+
+
+def _sun_text(probe: "Probe") -> str:
+    if not probe.sun:
+        return "none that is sure"
+    azimuth, elevation = probe.sun.get("azimuth_deg"), probe.sun.get("elevation_deg")
+    return f"azimuth {azimuth}°, elevation {elevation}°, by {probe.sun.get('evidence')}"
+
+
+def _say(console: Console, label: str, text: str) -> None:
+    """A label and a text, which goes on below itself where the line ends."""
+    lines = _wrapped(text.split(), _WIDTH - _LABEL_WIDTH - 1)
+    for number, line in enumerate(lines):
+        console.result(f"{label if number == 0 else '':<{_LABEL_WIDTH}} {line}")
+
+
+def _wrapped(words: Sequence[str], width: int) -> list[str]:
+    lines = [""]
+    for word in words:
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+            lines.append(word)
+        else:
+            lines[-1] = f"{lines[-1]} {word}".strip()
+    return lines
+
+
 def _head(text: str, length: int) -> str:
     return text if len(text) <= length else text[: length - 1] + "…"
 
@@ -181,7 +232,3 @@ def _head(text: str, length: int) -> str:
 def _tail(text: str, length: int) -> str:
     # Names differ at their ends: what stands before is the provider.
     return text if len(text) <= length else "…" + text[1 - length :]
-
-
-def _figure(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4g}"

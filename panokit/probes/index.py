@@ -1,110 +1,27 @@
 """library.sqlite: what `list` looks at. Everything in it is in the records too."""
 
+import json
 import shutil
 import sqlite3
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
 
 from panokit.errors import StorageError
 from panokit.io.files import storage_error
-from panokit.probes.probe import Probe
+from panokit.probes.entry import COLUMNS, Entry, entry_from_row, query_of
+from panokit.probes.settings import ProbeFilter
 
 # Raise it when the columns change: an index of another layout is made anew.
-_LAYOUT = 1
+_LAYOUT = 2
 _BUSY_TIMEOUT_S = 10.0
 IN_MEMORY = Path(":memory:")
 # SQLite tells a full disk as a failed write as often as not; less than this is full.
 _FULL_BELOW_BYTES = 1 << 20
 _FULL_OR_BROKEN = (sqlite3.SQLITE_IOERR, sqlite3.SQLITE_CANTOPEN)
 _NOT_WRITABLE = (sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_PERM)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
-    """One line of the library's list; each field is a column of the index.
-
-    Attributes:
-        id: Of the probe.
-        name: What it was called when it was added.
-        place: The city or area, "" for none.
-        provider: Of the picture, "" for none.
-        license: Its id, "unknown" where it is not known.
-        attribution: The line to show with the map.
-        trainable: Whether the license lets models be trained with it.
-        verdict: Of QA: "pass" or "fail".
-        width_px: Of the map.
-        dynamic_range_stops: From the median to the peak, or None.
-        top_share: The share of the energy in the brightest 0.1 % of the sphere, or None.
-    """
-
-    id: str
-    name: str
-    place: str
-    provider: str
-    license: str
-    attribution: str
-    trainable: bool
-    verdict: str
-    width_px: int
-    dynamic_range_stops: float | None
-    top_share: float | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProbeFilter:
-    """Which probes to list; a field that is None lets all pass.
-
-    Attributes:
-        name: A part of the name, in any case.
-        place: The city or area, in any case.
-        provider: Of the picture.
-        license: Its id.
-        trainable: Whether the license lets models be trained.
-        verdict: "pass" or "fail".
-        dynamic_range_min_stops: The least dynamic range.
-    """
-
-    name: str | None = None
-    place: str | None = None
-    provider: str | None = None
-    license: str | None = None
-    trainable: bool | None = None
-    verdict: str | None = None
-    dynamic_range_min_stops: float | None = None
-
-
-_COLUMNS = tuple(field.name for field in fields(Entry))
-_CONDITIONS = {
-    "name": "name LIKE '%' || ? || '%' ESCAPE '\\'",
-    "place": "place = ? COLLATE NOCASE",
-    "provider": "provider = ?",
-    "license": "license = ? COLLATE NOCASE",
-    "trainable": "trainable = ?",
-    "verdict": "verdict = ?",
-    "dynamic_range_min_stops": "dynamic_range_stops >= ?",
-}
-
-
-def entry_of(probe: Probe) -> Entry:
-    """The line of a probe in the list."""
-    values = probe.report.values
-    capture = probe.capture
-    return Entry(
-        id=probe.id,
-        name=probe.name,
-        place=capture.place if capture else "",
-        provider=capture.provider if capture else "",
-        license=probe.license.id,
-        attribution=probe.license.attribution,
-        trainable=probe.license.train,
-        verdict=str(probe.report.verdict),
-        width_px=probe.width_px,
-        dynamic_range_stops=values.get("dynamic-range"),
-        top_share=values.get("top-share"),
-    )
+# SQLite takes no more values than this in one statement, in builds of any age.
+_MOST_VALUES = 900
 
 
 class Index:
@@ -130,34 +47,51 @@ class Index:
         with self._reported():
             return {row[0] for row in self._connection.execute("SELECT id FROM probes")}
 
-    def put(self, entries: Iterable[Entry]) -> None:
-        """Add entries, or replace those of the same id, all or none."""
-        marks = ", ".join("?" for _ in _COLUMNS)
-        rows = [tuple(getattr(entry, name) for name in _COLUMNS) for entry in entries]
+    def put(self, entries: Iterable[tuple[Entry, Sequence[float]]]) -> None:
+        """Add entries with their descriptors, or replace those of the same id, all or none."""
+        marks = ", ".join("?" for _ in COLUMNS)
+        rows, known = [], []
+        for entry, descriptor in entries:
+            rows.append(tuple(getattr(entry, name) for name in COLUMNS))
+            known.append((entry.id, json.dumps(list(descriptor))))
         with self._reported(), self._connection:
             self._connection.executemany(
-                f"INSERT OR REPLACE INTO probes ({', '.join(_COLUMNS)}) VALUES ({marks})", rows
+                f"INSERT OR REPLACE INTO probes ({', '.join(COLUMNS)}) VALUES ({marks})", rows
             )
+            self._connection.executemany("INSERT OR REPLACE INTO descriptors VALUES (?, ?)", known)
 
     def remove(self, ids: Iterable[str]) -> None:
         """Take entries out."""
+        gone = [(id,) for id in ids]
         with self._reported(), self._connection:
-            self._connection.executemany("DELETE FROM probes WHERE id = ?", [(i,) for i in ids])
+            self._connection.executemany("DELETE FROM probes WHERE id = ?", gone)
+            self._connection.executemany("DELETE FROM descriptors WHERE id = ?", gone)
 
     def find(self, wanted: ProbeFilter) -> tuple[Entry, ...]:
         """The entries that a filter lets pass, by name."""
-        conditions, values = ["1"], []
-        for name, condition in _CONDITIONS.items():
-            value = getattr(wanted, name)
-            if value is not None:
-                conditions.append(condition)
-                values.append(_escaped(value) if name == "name" else value)
-        query = (
-            f"SELECT {', '.join(_COLUMNS)} FROM probes "
-            f"WHERE {' AND '.join(conditions)} ORDER BY name, id"
-        )
+        condition, values = query_of(wanted)
+        query = f"SELECT {', '.join(COLUMNS)} FROM probes WHERE {condition} ORDER BY name, id"
         with self._reported():
-            return tuple(_entry(row) for row in self._connection.execute(query, values))
+            return tuple(map(entry_from_row, self._connection.execute(query, values)))
+
+    def entries(self, ids: Sequence[str]) -> tuple[Entry, ...]:
+        """The entries of these ids, in this order; those that are not there are left out."""
+        found: dict[str, Entry] = {}
+        with self._reported():
+            for start in range(0, len(ids), _MOST_VALUES):
+                part = list(ids[start : start + _MOST_VALUES])
+                marks = ", ".join("?" for _ in part)
+                query = f"SELECT {', '.join(COLUMNS)} FROM probes WHERE id IN ({marks})"
+                for row in self._connection.execute(query, part):
+                    entry = entry_from_row(row)
+                    found[entry.id] = entry
+        return tuple(found[id] for id in ids if id in found)
+
+    def descriptors(self) -> dict[str, tuple[float, ...]]:
+        """Id -> descriptor of every probe; () where it is not known."""
+        with self._reported():
+            rows = self._connection.execute("SELECT id, numbers FROM descriptors").fetchall()
+        return {id: tuple(json.loads(numbers)) for id, numbers in rows}
 
     def with_prefix(self, prefix: str) -> tuple[str, ...]:
         """The ids that begin with `prefix`, in order."""
@@ -165,6 +99,14 @@ class Index:
             rows = self._connection.execute(
                 "SELECT id FROM probes WHERE substr(id, 1, ?) = ? ORDER BY id",
                 (len(prefix), prefix),
+            )
+            return tuple(row[0] for row in rows)
+
+    def named(self, name: str) -> tuple[str, ...]:
+        """The ids of the probes that are called so, in order."""
+        with self._reported():
+            rows = self._connection.execute(
+                "SELECT id FROM probes WHERE name = ? ORDER BY id", (name,)
             )
             return tuple(row[0] for row in rows)
 
@@ -192,8 +134,10 @@ class Index:
             if layout != _LAYOUT:
                 with connection:
                     connection.execute("DROP TABLE IF EXISTS probes")
-                    connection.execute(f"CREATE TABLE probes ({', '.join(_COLUMNS)})")
+                    connection.execute("DROP TABLE IF EXISTS descriptors")
+                    connection.execute(f"CREATE TABLE probes ({', '.join(COLUMNS)})")
                     connection.execute("CREATE UNIQUE INDEX probes_by_id ON probes (id)")
+                    connection.execute("CREATE TABLE descriptors (id PRIMARY KEY, numbers)")
                     connection.execute(f"PRAGMA user_version = {_LAYOUT}")
         except sqlite3.Error:
             connection.close()
@@ -230,12 +174,3 @@ class Index:
             return shutil.disk_usage(self._path.parent).free < _FULL_BELOW_BYTES
         except OSError:
             return False
-
-
-def _entry(row: tuple[Any, ...]) -> Entry:
-    values = dict(zip(_COLUMNS, row, strict=True))
-    return Entry(**{**values, "trainable": bool(values["trainable"])})
-
-
-def _escaped(text: str) -> str:
-    return text.replace("\\", "\\\\").replace("%", "\\%").replace("_", "\\_")

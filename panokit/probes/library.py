@@ -1,7 +1,9 @@
 """The library of light probes on disk."""
 
 import shlex
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from types import TracebackType
 
@@ -9,9 +11,11 @@ from panokit.envmap import EnvironmentMap
 from panokit.errors import ItemError, StorageError, UsageError
 from panokit.io import read_environment_map
 from panokit.io.files import storage_error
-from panokit.probes.index import IN_MEMORY, Entry, Index, ProbeFilter, entry_of
+from panokit.probes.entry import Entry, entry_of
+from panokit.probes.index import IN_MEMORY, Index
 from panokit.probes.probe import Probe, probe_id
-from panokit.probes.shelf import MAP_NAME, Problem, Shelf
+from panokit.probes.settings import ProbeFilter
+from panokit.probes.shelf import Known, Problem, Shelf
 from panokit.qa import Report, check
 
 INDEX_NAME = "library.sqlite"
@@ -123,6 +127,10 @@ class Library:
         *,
         name: str = "",
         report: Report | None = None,
+        category: str = "",
+        tags: Sequence[str] = (),
+        kind: str = "",
+        in_place: Path | None = None,
     ) -> Added:
         """Add a map; one that is in the library already is left as it is.
 
@@ -130,6 +138,11 @@ class Library:
             source: An .exr or .hdr file, or a map.
             name: What to call it; else the file's name or the capture's key.
             report: What QA said of it; else its checks are made now.
+            category: The kind of scene; else what its capture says.
+            tags: Words to find it by, besides those of its capture.
+            kind: "native", "lifted" or "synthetic"; else what its provenance says.
+            in_place: The file that `source` was read from, to be used where it lies: the
+                library then keeps its digest, a record and a preview, and no copy.
 
         Raises:
             ImageError: If the file cannot be used.
@@ -139,50 +152,98 @@ class Library:
         id = probe_id(envmap)
         if self._shelf.has(id):
             return Added(probe=self._shelf.read(id), is_new=False)
-        probe = self._shelf.put(envmap, name or _name_of(source), report or check(envmap))
-        self._index.put([entry_of(probe)])
+        known = Known(
+            name=name or _name_of(source),
+            report=report or check(envmap),
+            category=category,
+            tags=tuple(tags),
+            kind=kind,
+            source=in_place,
+        )
+        probe = self._shelf.put(envmap, known)
+        self._index.put([(entry_of(probe), probe.descriptor)])
         return Added(probe=probe, is_new=True)
 
     def list(self, wanted: ProbeFilter | None = None) -> tuple[Entry, ...]:
         """The probes that a filter lets pass, by name."""
         return self._index.find(wanted or ProbeFilter())
 
+    def entries(self, ids: Sequence[str]) -> tuple[Entry, ...]:
+        """The lines of these probes, by whole id, in this order; see `find_id` for parts."""
+        return self._index.entries(ids)
+
+    def descriptors(self) -> dict[str, tuple[float, ...]]:
+        """Id -> what light each probe has; see `panokit.probes.descriptor`."""
+        return self._index.descriptors()
+
+    def find_id(self, wanted: str) -> str:
+        """The id of a probe.
+
+        Args:
+            wanted: The id, or so many of its first digits that no other begins so, or the
+                probe's name.
+
+        Raises:
+            UsageError: If there is none such, or more than one; the message names the nearest.
+        """
+        found = self._index.with_prefix(wanted) if wanted else ()
+        found = found or (self._index.named(wanted) if wanted else ())
+        if len(found) == 1:
+            return found[0]
+        if found:
+            more = f" and {len(found) - 3} more" if len(found) > 3 else ""
+            raise UsageError(
+                f"{len(found)} probes begin with {wanted!r} or are called so: "
+                f"{', '.join(found[:3])}{more}. Give more digits of the id."
+            )
+        raise UsageError(self._nothing_like(wanted))
+
     def show(self, id: str) -> Probe:
         """All that is known of one probe.
 
         Args:
-            id: Its id, or so many of its first digits that no other begins so.
+            id: See `find_id`.
 
         Raises:
             UsageError: If there is none such, or more than one.
             RecordError: If its record is damaged.
         """
-        found = self._index.with_prefix(id) if id else ()
-        if len(found) == 1:
-            return self._shelf.read(found[0])
-        if found:
-            raise UsageError(
-                f"{len(found)} probes begin with {id!r}: {', '.join(found[:4])}... "
-                "Give more digits."
-            )
-        raise UsageError(
-            f"There is no probe {id!r} in {self.folder}. "
-            f"See those there with: panokit probes list {_quoted(self.folder)}"
-        )
+        return self._shelf.read(self.find_id(id))
 
     def map_path(self, id: str) -> Path:
-        """The file of a probe's map; see `show` for `id`."""
-        return self._shelf.folder(self.show(id).id) / MAP_NAME
+        """The file of a probe's map, in the library or in place; see `find_id` for `id`."""
+        return self._shelf.map_file(self.show(id))
 
     def read(self, id: str) -> EnvironmentMap:
-        """A probe's map; see `show` for `id`."""
-        return read_environment_map(self.map_path(id))
+        """A probe's map with its record; see `find_id` for `id`.
 
-    def verify(self) -> Verification:
-        """Hash every file, read every map again, and remove what an interruption left."""
+        Raises:
+            RecordError: If the file is no longer what was added.
+            StorageError: If it is gone.
+        """
+        return self._shelf.read_map(self.show(id))
+
+    def records(self, ids: Iterable[str]) -> Iterable[Probe]:
+        """The records of probes by whole id, one after the other.
+
+        Raises:
+            RecordError: If one is missing or damaged.
+        """
+        return (self._shelf.read(id) for id in ids)
+
+    def verify(self, on_checked: Callable[[bool], None] | None = None) -> Verification:
+        """Hash every file, read every map again, and remove what an interruption left.
+
+        Args:
+            on_checked: Called after each folder, with whether something is wrong with it.
+        """
         swept = self._shelf.sweep()
-        problems = tuple(self._shelf.problems())
-        return Verification(checked=len(self._shelf.ids()), problems=problems, swept=swept)
+        problems: list[Problem] = []
+        for found in self._shelf.problems():
+            problems += found
+            if on_checked is not None:
+                on_checked(bool(found))
+        return Verification(checked=len(self._shelf.ids()), problems=tuple(problems), swept=swept)
 
     def reindex(self) -> int:
         """Make the index anew from the records; how many probes it has then.
@@ -197,7 +258,7 @@ class Library:
         self._index.close()
         self._index = Index(self.folder / INDEX_NAME)
         self._index.remove(self._index.ids())
-        self._catch_up(self._index)
+        self._fill(self._index, self._shelf.ids())
         return len(self)
 
     def _opened(self, path: Path) -> Index:
@@ -211,18 +272,40 @@ class Library:
 
     def _catch_up(self, index: Index) -> None:
         """Bring the index to what the folders are: after a kill, a copy or a deleted index."""
-        on_shelf, indexed = set(self._shelf.ids()), index.ids()
-        if on_shelf == indexed:
-            return
-        index.remove(indexed - on_shelf)
+        names, indexed = self._shelf.names(), index.ids()
+        gone = indexed - names
+        if gone:
+            index.remove(gone)
+        # Only folders that are new are looked into: ten thousand looks take longer than a list.
+        new = [name for name in sorted(names - indexed) if self._shelf.has(name)]
+        if new:
+            self._fill(index, new)
+
+    def _fill(self, index: Index, ids: Iterable[str]) -> None:
         entries = []
-        for id in sorted(on_shelf - indexed):
+        for id in ids:
             try:
-                entries.append(entry_of(self._shelf.read(id)))
+                probe = self._shelf.read(id)
+                entries.append((entry_of(probe), probe.descriptor))
             except ItemError:
                 # A damaged record hides one probe, not the library; verify reports it.
                 continue
         index.put(entries)
+
+    def _nothing_like(self, wanted: str) -> str:
+        entries = self.list()
+        if not entries:
+            return (
+                f"There is no probe {wanted!r}: the library {self.folder} is empty. "
+                f"Add maps with: panokit probes add {_quoted(self.folder)} MAP..."
+            )
+        known = {name: entry for entry in entries for name in (entry.id[: len(wanted)], entry.name)}
+        near = get_close_matches(wanted, known, n=1, cutoff=0.5)
+        hint = f"Did you mean {known[near[0]].id[:10]} ({known[near[0]].name})? " if near else ""
+        return (
+            f"There is no probe {wanted!r} in {self.folder}. {hint}"
+            f"See those there with: panokit probes list {_quoted(self.folder)}"
+        )
 
 
 def _quoted(folder: Path) -> str:

@@ -11,10 +11,26 @@ from panokit.capture import Capture, License
 from panokit.envmap import Anchor, EnvironmentMap
 from panokit.errors import RecordError
 from panokit.frames import Frame
+from panokit.probes.traits import category_of, kind_of, tags_of
 from panokit.provenance import Provenance, canonical_json
 from panokit.qa import Report
 
 ID_LENGTH = 16
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """The file of a map that is used in place.
+
+    Attributes:
+        path: Where it is: absolute, or from the library's folder.
+        bytes: How large it was when it was added.
+        sha256: Of its content then.
+    """
+
+    path: str
+    bytes: int
+    sha256: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +47,12 @@ class Probe:
         provenance: The steps that made it.
         report: What QA said when it was added.
         files: Name in the probe's folder -> bytes and sha256.
+        kind: "native" was captured in HDR, "lifted" made of a photograph, "synthetic" rendered.
+        category: The kind of scene ("outdoor_night"), "" where it is not known.
+        tags: Words to find it by, in order.
+        sun: Direction, irradiance and radius of the sun as its record has them, or None.
+        descriptor: What light it has, see `panokit.probes.descriptor`; () if not known.
+        source: Where the map lies, for one that is used in place; None for one in the library.
     """
 
     id: str
@@ -42,6 +64,12 @@ class Probe:
     provenance: Provenance
     report: Report
     files: Mapping[str, Mapping[str, Any]]
+    kind: str = "native"
+    category: str = ""
+    tags: tuple[str, ...] = ()
+    sun: Mapping[str, Any] | None = None
+    descriptor: tuple[float, ...] = ()
+    source: Source | None = None
 
     @property
     def license(self) -> License:
@@ -53,6 +81,9 @@ class Probe:
         return {
             "id": self.id,
             "name": self.name,
+            "kind": self.kind,
+            "category": self.category,
+            "tags": list(self.tags),
             "width_px": self.width_px,
             "frame": str(self.frame),
             "anchor": str(self.anchor),
@@ -60,6 +91,9 @@ class Probe:
             "capture": self.capture and self.capture.to_json(),
             "provenance": self.provenance.to_json(),
             "report": self.report.to_json(),
+            "sun": self.sun and dict(self.sun),
+            "descriptor": list(self.descriptor),
+            "source": self.source and asdict(self.source),
             "files": {name: dict(entry) for name, entry in self.files.items()},
         }
 
@@ -72,17 +106,25 @@ class Probe:
         """
         try:
             own = record["probe"]
-            capture = record["capture"]
+            capture = Capture.from_json(record["capture"]) if record["capture"] else None
+            provenance = Provenance.from_json(record["provenance"])
+            source = record.get("source")
             return cls(
                 id=own["id"],
                 name=own["name"],
                 width_px=own["width_px"],
                 frame=Frame(record["frame"]),
                 anchor=Anchor(record["anchor"]),
-                capture=Capture.from_json(capture) if capture else None,
-                provenance=Provenance.from_json(record["provenance"]),
+                capture=capture,
+                provenance=provenance,
                 report=Report.from_json(own["report"]),
                 files=record["files"],
+                kind=own.get("kind") or kind_of(capture, provenance),
+                category=own.get("category", category_of(capture)),
+                tags=tuple(own.get("tags", tags_of(capture))),
+                sun=own.get("sun"),
+                descriptor=tuple(own.get("descriptor", ())),
+                source=Source(**source) if source else None,
             )
         except (KeyError, TypeError, ValueError) as error:
             raise RecordError(

@@ -1,4 +1,4 @@
-"""The lat-long layout of the OpenEXR specification, and a dome light of USD.
+"""The lat-long layout of the OpenEXR specification.
 
 By the letter of ImfEnvmap.h the outermost pixels have their centers *on* the seam and the
 poles: the first and the last column show the same direction. Programs that follow it are
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.envmap import EnvironmentMap
-from panokit.errors import ImageError, UsageError
+from panokit.errors import ImageError
 from panokit.frames import Frame
 from panokit.io.adapters.nodes import (
     columns_as_cells,
@@ -21,23 +21,6 @@ from panokit.io.adapters.nodes import (
     rows_as_cells,
     rows_from_pole_to_pole,
 )
-
-_DOME_LIGHT = """#usda 1.0
-(
-    defaultPrim = "Environment"
-    upAxis = "Y"
-)
-
-def DomeLight "Environment"
-{{
-    asset inputs:texture:file = @{texture}@
-    token inputs:texture:format = "latlong"
-    float inputs:intensity = {intensity}
-    # The texture's center is +Z; turned, it is panokit's forward, -Z.
-    float3 xformOp:rotateXYZ = (0, 180, 0)
-    uniform token[] xformOpOrder = ["xformOp:rotateXYZ"]
-}}
-"""
 
 
 def to_openexr_latlong(envmap: EnvironmentMap) -> NDArray[np.float32]:
@@ -63,18 +46,3 @@ def from_openexr_latlong(
             f"A lat-long map is (H, W, 3) pixels, not {pixels.shape}.", reason="wrong-channels"
         )
     return EnvironmentMap(radiance=rows_as_cells(columns_as_cells(pixels)), frame=frame)
-
-
-def usd_dome_light(texture: str, *, intensity: float = 1.0) -> str:
-    """The text of a .usda file with a dome light that shows a map, turned to panokit's axes.
-
-    Args:
-        texture: The map's path as the stage will find it, for example "./probe.exr".
-        intensity: What radiance is multiplied with.
-
-    Raises:
-        UsageError: If the path holds characters that a USD asset path cannot.
-    """
-    if not texture or "@" in texture or "\n" in texture:
-        raise UsageError(f"{texture!r} is no path for USD: it must not be empty or contain '@'.")
-    return _DOME_LIGHT.format(texture=texture, intensity=f"{intensity:g}")
