@@ -139,3 +139,11 @@ def environment_parameter(radiance: NDArray[np.floating[Any]]) -> NDArray[np.flo
         (H, W + 2, 3) float32.
     """
     return pad_columns(rows_from_pole_to_pole(radiance))
+
+
+def use_one_thread() -> None:
+    """Let Mitsuba work on one thread: several processes of one thread each do more in all."""
+    load_mitsuba()
+    import drjit
+
+    drjit.set_thread_count(1)
