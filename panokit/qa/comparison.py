@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.color import luminance, srgb_encode_u8, weighted_percentile
-from panokit.envmap import Anchor, EnvironmentMap
+from panokit.envmap import EnvironmentMap
 from panokit.errors import ItemError
-from panokit.metrics.alignment import alignment_gain
 from panokit.metrics.balls import (
     ball_error,
     ball_error_scale_invariant,
@@ -26,14 +24,12 @@ from panokit.metrics.lighting import (
     peak_error_deg,
 )
 from panokit.metrics.pu21 import pu21_crf_psnr, pu21_psnr
+from panokit.qa.pairs.aligning import align_pair
 from panokit.qa.settings import QaSettings
-from panokit.sphere import resize_radiance, row_solid_angles
 
 _BALL_PX = 64
 # Equal maps have an infinite PSNR, which JSON cannot hold.
 _HIGHEST_PSNR_DB = 100.0
-# What a camera would expose to white in a map of unknown scale.
-_WHITE_PERCENTILE = 95.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -212,26 +208,16 @@ def compare(
     """
     settings = settings or QaSettings()
     reference = path.name if path else ""
-    if envmap.frame is not truth.frame:
-        obstacle = (
-            f"the map's frame is {envmap.frame}, the reference's is {truth.frame}. "
-            "Rotate one of them first."
-        )
-        return Comparison(reference=reference, path=path, obstacle=obstacle)
-    width = min(envmap.width_px, truth.width_px, settings.comparison_width_px)
-    estimate = resize_radiance(envmap.radiance, width)
-    right = resize_radiance(truth.radiance, width)
-    to_white = np.float32(_exposure_to_white(estimate, envmap.anchor))
     try:
-        gain = 1.0 if _same_scale(envmap, truth) else _gain(estimate, right, to_white)
+        aligned = align_pair(envmap, truth, settings.comparison_width_px)
     except ItemError as error:
         return Comparison(reference=reference, path=path, obstacle=str(error))
-    pair = _pair(estimate * to_white, right * (to_white / np.float32(gain)))
+    pair = _pair(aligned.estimate, aligned.truth)
     measured = [(measure, measure.of(pair)) for measure in MEASURES]
     return Comparison(
         reference=reference,
         path=path,
-        gain=gain,
+        gain=aligned.gain,
         differences=tuple(
             Difference(
                 name=measure.name,
@@ -244,31 +230,6 @@ def compare(
             if np.isfinite(value)
         ),
     )
-
-
-def _same_scale(envmap: EnvironmentMap, truth: EnvironmentMap) -> bool:
-    absolute = (Anchor.LUMINANCE, Anchor.RADIANCE)
-    return envmap.anchor is truth.anchor and envmap.anchor in absolute
-
-
-def _exposure_to_white(radiance: NDArray[np.float32], anchor: Anchor) -> float:
-    """What brings the map to a scale where 1 is what the camera shows as white."""
-    if anchor is Anchor.LDR_WHITE:
-        return 1.0
-    rows = row_solid_angles(radiance.shape[0])[:, None]
-    white = weighted_percentile(luminance(radiance), rows, _WHITE_PERCENTILE)
-    return 1 / white if white > 0 else 1.0
-
-
-def _gain(estimate: NDArray[np.float32], truth: NDArray[np.float32], to_white: np.float32) -> float:
-    seen = srgb_encode_u8(estimate * to_white)
-    gain = alignment_gain(estimate, truth, seen)
-    if gain <= 0:
-        raise ItemError(
-            "The reference is black where the map is not. Check that it is the right file.",
-            reason="black-reference",
-        )
-    return gain
 
 
 def _pair(estimate: NDArray[np.float32], truth: NDArray[np.float32]) -> Pair:
