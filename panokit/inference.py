@@ -1,10 +1,10 @@
-"""Networks in use: ONNX Runtime sessions, on the CPU, with the results checked.
+"""Networks in use: ONNX Runtime sessions, on a GPU or the CPU, with the results checked.
 
 The only module that imports onnxruntime.
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,45 @@ import onnxruntime
 from panokit.errors import ModelError
 
 DEFAULT_THREADS = 2
+CPU, CUDA = "CPUExecutionProvider", "CUDAExecutionProvider"
+
+
+def providers_for(device: str, available: Sequence[str]) -> list[tuple[str, dict[str, str]]]:
+    """What ONNX Runtime is asked to run on, in order, for a device by name.
+
+    The CPU is always the last resort: an operation that a GPU lacks runs there.
+
+    Args:
+        device: "auto" takes an NVIDIA GPU if there is one, "cuda" insists on it, "cpu" does not
+            look for one.
+        available: Providers that this build of ONNX Runtime has.
+
+    Returns:
+        (provider, its options) each.
+
+    Raises:
+        ModelError: If the device is not known, or not there.
+    """
+    if device not in ("auto", "cpu", "cuda"):
+        raise ModelError(f"There is no device {device!r}. Choose auto, cpu or cuda.")
+    if device == "cuda" and CUDA not in available:
+        raise ModelError(
+            "This ONNX Runtime has no CUDA. Install onnxruntime-gpu in place of onnxruntime, or "
+            "use --device cpu."
+        )
+    # Without TF32, which keeps ten bits, a GPU gives what the CPU gives.
+    gpu = [(CUDA, {"use_tf32": "0"})] if device != "cpu" and CUDA in available else []
+    return [*gpu, (CPU, {})]
+
+
+def available_providers() -> list[str]:
+    """The providers of this build of ONNX Runtime; that of CUDA may still lack its libraries."""
+    return list(onnxruntime.get_available_providers())
+
+
+def runtime_version() -> str:
+    """Of ONNX Runtime."""
+    return str(onnxruntime.__version__)
 
 
 class Session:
@@ -27,23 +66,37 @@ class Session:
     Args:
         path: Of the .onnx file.
         threads: For one run. The result does not depend on it beyond rounding.
+        device: "auto", "cpu" or "cuda", see `providers_for`.
+
+    Raises:
+        ModelError: If the file is no network, or the device cannot be had.
     """
 
-    def __init__(self, path: Path, *, threads: int = DEFAULT_THREADS) -> None:
+    def __init__(self, path: Path, *, threads: int = DEFAULT_THREADS, device: str = "auto") -> None:
+        providers = providers_for(device, available_providers())
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = threads
         options.inter_op_num_threads = 1
         options.log_severity_level = 3
         try:
-            self._session = onnxruntime.InferenceSession(
-                str(path), options, providers=["CPUExecutionProvider"]
-            )
+            self._session = onnxruntime.InferenceSession(str(path), options, providers=providers)
         except Exception as error:  # onnxruntime raises a class of its own per failure
             raise ModelError(
                 f"{path} is not a network that ONNX Runtime {onnxruntime.__version__} can load: "
                 f"{str(error).splitlines()[0]} Get the file again."
             ) from error
         self._path = path
+        if device == "cuda" and self.device != "cuda":
+            raise ModelError(
+                "ONNX Runtime has CUDA but cannot start it: a library or the driver is missing. "
+                "Check `nvidia-smi` and the versions that onnxruntime-gpu asks for, or use "
+                "--device cpu."
+            )
+
+    @property
+    def device(self) -> str:
+        """Where the network runs: "cuda" or "cpu"."""
+        return "cuda" if CUDA in self._session.get_providers() else "cpu"
 
     @property
     def inputs(self) -> tuple[str, ...]:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from panokit.errors import ModelError
-from panokit.inference import Session
+from panokit.expand.settings import ExpandSettings
+from panokit.inference import CPU, CUDA, Session, providers_for
 from panokit.weights import find_model
 
 
@@ -40,6 +41,59 @@ def test_a_file_that_is_no_network_is_a_model_error(tmp_path: Path):
     path.write_bytes(b"not a network")
     with pytest.raises(ModelError, match="can load"):
         Session(path)
+
+
+@pytest.mark.parametrize(
+    ("device", "available", "expected"),
+    [
+        ("auto", [CPU], [CPU]),
+        ("auto", [CUDA, CPU], [CUDA, CPU]),
+        ("auto", ["TensorrtExecutionProvider", CUDA, CPU], [CUDA, CPU]),
+        ("cuda", [CUDA, CPU], [CUDA, CPU]),
+        ("cpu", [CUDA, CPU], [CPU]),
+    ],
+)
+def test_a_gpu_is_taken_where_there_is_one_and_it_is_wanted(device, available, expected):
+    providers = providers_for(device, available)
+    assert [name for name, _ in providers] == expected
+    # Ten bits of mantissa would be no parity.
+    assert all(options == {"use_tf32": "0"} for name, options in providers if name == CUDA)
+
+
+def test_a_gpu_that_is_not_there_and_an_unknown_device_are_model_errors():
+    with pytest.raises(ModelError, match="onnxruntime-gpu"):
+        providers_for("cuda", [CPU])
+    with pytest.raises(ModelError, match="auto, cpu or cuda"):
+        providers_for("tpu", [CPU])
+
+
+def test_a_session_asks_for_what_was_chosen_and_says_what_it_got(monkeypatch: pytest.MonkeyPatch):
+    asked = []
+
+    class Runtime:
+        """As ONNX Runtime with CUDA behaves: what it cannot start it leaves out."""
+
+        def __init__(self, path, options, providers):
+            asked.append([name for name, _ in providers])
+
+        def get_providers(self):
+            return [name for name in asked[-1] if name != CUDA or has_driver]
+
+    monkeypatch.setattr("onnxruntime.get_available_providers", lambda: [CUDA, CPU])
+    monkeypatch.setattr("onnxruntime.InferenceSession", Runtime)
+    has_driver = True
+    assert Session(Path("x.onnx")).device == "cuda"
+    assert Session(Path("x.onnx"), device="cpu").device == "cpu"
+    has_driver = False
+    assert Session(Path("x.onnx")).device == "cpu"
+    with pytest.raises(ModelError, match="nvidia-smi"):
+        Session(Path("x.onnx"), device="cuda")
+    assert asked == [[CUDA, CPU], [CPU], [CUDA, CPU], [CUDA, CPU]]
+
+
+def test_where_a_map_is_computed_does_not_change_its_key():
+    assert ExpandSettings(device="cpu").digest == ExpandSettings().digest
+    assert ExpandSettings(device="cpu").device == "cpu"
 
 
 def test_nothing_is_reported_to_anybody(tmp_path):

@@ -100,14 +100,14 @@ def _exr() -> tuple[str, str]:
 
 def _model() -> tuple[str, str]:
     from panokit.expand.settings import ExpandSettings
-    from panokit.inference import Session
+    from panokit.inference import Session, runtime_version
     from panokit.weights import find_model, verify_model
 
     model = find_model(ExpandSettings().model)
     verify_model(model)
-    for role in model.files:
-        Session(model.path(role))
-    return "ok", f"{model.id} loads in ONNX Runtime"
+    devices = {Session(model.path(role)).device for role in model.files}
+    where = "an NVIDIA GPU" if devices == {"cuda"} else "the CPU"
+    return "ok", f"{model.id} runs in ONNX Runtime {runtime_version()} on {where}"
 
 
 def _disk() -> tuple[str, str]:

@@ -152,7 +152,7 @@ def onnx_method(where: Path | str) -> Method:
 
 
 def _onnx_predictor(path: Path) -> OnnxPredictor:
-    session = Session(path, threads=1)
+    session = Session(path, threads=1, device="cpu")
     shapes = session.input_shapes
     fits = len(shapes) == 1 and len(shapes[0]) == 4 and 3 in (shapes[0][1], shapes[0][-1])
     if not fits:

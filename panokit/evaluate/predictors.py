@@ -155,7 +155,7 @@ def model_method(where: str) -> Method:
         model = read_model(folder) if (folder / "model.toml").is_file() else find_model(place)
         return ModelPredictor(
             model=model,
-            network=ExpansionNetwork(model, threads=1),
+            network=ExpansionNetwork(model, threads=1, device="cpu"),
             seen=seen_digests(model.folder),
             unseen_by_fold=FOLD in where,
         )

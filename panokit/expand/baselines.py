@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.color import luminance
-from panokit.expand.components import find_components
+from panokit.expand.components import Components, find_components
 from panokit.expand.reduce import ReducedPanorama
 
 REINHARD_WHITE = 16.0
@@ -54,6 +54,11 @@ def expand_area(
 ) -> NDArray[np.float32]:
     """The saturated-area rule, (H, W, 3) float32; burnt-out light never gets darker."""
     components = find_components(reduced)
-    gains = np.exp(np.maximum(rule.offset + rule.slope * np.log(components.solid_angle), 0))
-    by_label = np.concatenate([[1.0], gains]).astype(np.float32)
+    by_label = np.concatenate([[1.0], area_gains(components, rule)]).astype(np.float32)
     return reduced.clear + reduced.burnt * by_label[components.labels][..., None]
+
+
+def area_gains(components: Components, rule: AreaRule = SHIPPED_AREA_RULE) -> NDArray[np.float64]:
+    """The rule's gain of each component, (K,), at least 1."""
+    gains = np.exp(np.maximum(rule.offset + rule.slope * np.log(components.solid_angle), 0))
+    return np.asarray(gains, np.float64)

@@ -21,6 +21,8 @@ FEATURES_VERSION = "1"
 # Of a model in two files, whose grid network answers for one roll: the mean over rolls by 0 to
 # 15 cells repeats under every roll. A model in one file does this within.
 ROLLS = 16
+# The share of the sphere that must be burnt out for a model's camera curve to count in full.
+ENOUGH_BURNT = 0.002
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,7 +84,9 @@ class ExpansionNetwork:
         ModelError: If its files are damaged, or it is not for this version's features.
     """
 
-    def __init__(self, model: ReleasedModel, *, threads: int = DEFAULT_THREADS) -> None:
+    def __init__(
+        self, model: ReleasedModel, *, threads: int = DEFAULT_THREADS, device: str = "auto"
+    ) -> None:
         if model.task != "expand" or model.features_version != FEATURES_VERSION:
             raise ModelError(
                 f"Model {model.id!r} is for {model.task!r} with features "
@@ -91,7 +95,9 @@ class ExpansionNetwork:
             )
         verify_model(model)
         self.digest = model.digest
-        self._files = {role: Session(model.path(role), threads=threads) for role in model.files}
+        self._files = {
+            role: Session(model.path(role), threads=threads, device=device) for role in model.files
+        }
 
     def ask(self, grid: NDArray[np.float32], features: NDArray[np.float32]) -> Answer:
         """What the model says.
@@ -153,7 +159,7 @@ def predict(reduced: ReducedPanorama, network: ExpansionNetwork) -> Prediction:
     answer = network.ask(grid, component_features(reduced, components, grid))
     return Prediction(
         log_gain=answer.log_gain,
-        curve_slopes=answer.slopes,
+        curve_slopes=_trusted(answer.slopes, reduced.burnt_share),
         components=components,
         grid_energy=grid_energies(answer.log_gain, reduced, components),
         component_energy=components.energy * np.exp(answer.component_gain),
@@ -171,10 +177,26 @@ def compose(reduced: ReducedPanorama, prediction: Prediction) -> NDArray[np.floa
     lost = spread_gain(
         prediction.log_gain, reduced, prediction.components, prediction.energy, prediction.sun
     )
+    return np.ascontiguousarray(shown_light(reduced, prediction.curve_slopes) + lost, np.float32)
+
+
+def shown_light(reduced: ReducedPanorama, slopes: tuple[float, float]) -> NDArray[np.float32]:
+    """What the picture shows, (H, W, 3) float32: through the camera's curve where nothing is
+    burnt out.
+    """  # noqa: D205
     open_share = np.maximum(1 - reduced.share, 1e-3)[..., None]
     unburnt = np.asarray(np.clip(reduced.clear / open_share, 0, 1), np.float32)
-    clear = apply_curve(unburnt, *prediction.curve_slopes) * open_share
-    return np.ascontiguousarray(clear + reduced.burnt + lost, np.float32)
+    return np.asarray(apply_curve(unburnt, *slopes) * open_share + reduced.burnt, np.float32)
+
+
+def _trusted(slopes: tuple[float, float], burnt_share: float) -> tuple[float, float]:
+    """The camera's slopes as far as they are known: those of sRGB where nothing is burnt out.
+
+    They were learned on pictures that clip. One that does not is taken at its word: its map is
+    the decoded picture. In between they fade, so that one burnt-out pixel changes nothing else.
+    """
+    trust = min(burnt_share / ENOUGH_BURNT, 1.0)
+    return float(slopes[0] ** trust), float(slopes[1] ** trust)
 
 
 def _warm_or_cool(log_gain: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -190,6 +212,6 @@ def _warm_or_cool(log_gain: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 @lru_cache(maxsize=2)
-def load_network(model_id: str) -> ExpansionNetwork:
-    """The released model with this id, loaded once."""
-    return ExpansionNetwork(find_model(model_id))
+def load_network(model_id: str, device: str = "auto") -> ExpansionNetwork:
+    """The released model with this id, loaded once; `device` as in `panokit.inference`."""
+    return ExpansionNetwork(find_model(model_id), device=device)

@@ -25,7 +25,7 @@ _PLANES = 11
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ReducedPanorama:
-    """A panorama split into the part the camera could record and the part it could not.
+    """A panorama, or some rows of one, split into what the camera could record and what not.
 
     All maps are means over the solid angle of each target pixel; clear + burnt is the whole
     picture.
@@ -95,6 +95,38 @@ def reduce_panorama(pixels: NDArray[np.uint8], width_px: int) -> ReducedPanorama
         first, last = targets[0], targets[-1] + 1
         total[:, first:last] += weights[first:last] @ strip
     return _from_planes(total)
+
+
+def reduce_rows(pixels: NDArray[np.uint8], width_px: int, first: int, last: int) -> ReducedPanorama:
+    """Only the rows `first` to `last` - 1 of what `reduce_panorama` would return."""
+    height, width = pixels.shape[:2]
+    rows = width_px // 2
+    top, bottom = first * height // rows, -(-last * height // rows)
+    mix = _row_mix(height, rows, slice(top, bottom), slice(first, last))
+    planes = np.zeros((_PLANES, last - first, width_px), np.float32)
+    step = max(_STRIP_PIXELS // width, 1)
+    for start in range(top, bottom, step):
+        end = min(start + step, bottom)
+        strip = _average_columns(_planes_of(pixels[start:end]), width_px)
+        weights = mix[:, start - top : end - top]
+        targets = np.flatnonzero(weights.any(axis=1))
+        inside = slice(targets[0], targets[-1] + 1)
+        planes[:, inside] += weights[inside] @ strip
+    return _from_planes(planes)
+
+
+def _row_mix(
+    source_rows: int, target_rows: int, source: slice, target: slice
+) -> NDArray[np.float32]:
+    """The part of `row_overlap_weights` between some rows, which together hold all of their
+    solid angle; float32.
+    """  # noqa: D205
+    upper = -np.cos(np.arange(source.start, source.stop + 1) * (np.pi / source_rows))
+    lower = -np.cos(np.arange(target.start, target.stop + 1) * (np.pi / target_rows))
+    begin = np.maximum(upper[None, :-1], lower[:-1, None])
+    end = np.minimum(upper[None, 1:], lower[1:, None])
+    shared = np.maximum(end - begin, 0)
+    return np.asarray(shared / shared.sum(axis=1, keepdims=True), np.float32)
 
 
 def _planes_of(pixels: NDArray[np.uint8]) -> NDArray[np.float32]:

@@ -1,10 +1,12 @@
 """Settings of the stage `expand`."""
 
+from typing import Literal
+
 from pydantic import Field, model_validator
 
 from panokit.settings import Settings
 
-VERSION = "2"
+VERSION = "3"
 
 ANCHORS = ("anchor_white_cd_m2", "anchor_sky_cd_m2", "anchor_sun_lx", "anchor_sun_w_m2")
 
@@ -17,6 +19,10 @@ class ExpandSettings(Settings):
 
     width_px: int = Field(default=1024, ge=16, multiple_of=2)
     """Width of the map; a panorama narrower than this keeps its own width."""
+
+    # Where it is computed is no part of what is computed, so the digest leaves it out.
+    device: Literal["auto", "cpu", "cuda"] = Field(default="auto", exclude=True)
+    """Where the network runs: "cuda" is an NVIDIA GPU; "auto" takes it if ONNX Runtime can."""
 
     anchor_white_cd_m2: float | None = Field(default=None, gt=0, allow_inf_nan=False)
     """Luminance at which the picture clipped; the map is then in cd/m2. Without any anchor a

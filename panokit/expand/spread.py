@@ -64,15 +64,29 @@ def spread_gain(
         energies: (K + 1,), as `grid_energies` returns them: what each region should have.
         sun: (K,), probability that a component is the sun; none is if not given.
     """
-    gain = np.exp(np.maximum(_interpolated(log_gain, reduced), 0))
+    height, width = reduced.share.shape
+    gain = interpolate_gain(log_gain, reduced, width, slice(0, height))
     shown = _sum_by_label(luminance(reduced.burnt), components)
-    wanted = np.maximum(energies - shown, 0)
-    odds = np.zeros(len(components), np.float32) if sun is None else sun
-    middle = _toward_middle(components, wanted / np.maximum(shown, 1e-12), odds)
+    middle = toward_middle(components, shown, energies, sun)
     excess = reduced.burnt * (gain - 1) * middle[..., None]
     drawn = _sum_by_label(luminance(excess), components)
+    scale = excess_scale(energies, shown, drawn)
+    return excess * scale[components.labels][..., None]
+
+
+def excess_scale(
+    energies: NDArray[np.float64], shown: NDArray[np.float64], drawn: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """What brings the light that was drawn in each region to its energy, (K + 1,) float32.
+
+    Args:
+        energies: That each region should have.
+        shown: That it has in the picture.
+        drawn: That was added to it, of any scale.
+    """
+    wanted = np.maximum(energies - shown, 0)
     scale = np.divide(wanted, drawn, out=np.zeros_like(drawn), where=drawn > 1e-12)
-    return excess * scale.astype(np.float32)[components.labels][..., None]
+    return scale.astype(np.float32)
 
 
 def _sum_by_label(light: NDArray[np.floating], components: Components) -> NDArray[np.float64]:
@@ -82,18 +96,29 @@ def _sum_by_label(light: NDArray[np.floating], components: Components) -> NDArra
     return np.asarray(sums, np.float64)
 
 
-def _toward_middle(
-    components: Components, times_brighter: NDArray[np.float64], sun: NDArray[np.float32]
+def toward_middle(
+    components: Components,
+    shown: NDArray[np.float64],
+    energies: NDArray[np.float64],
+    sun: NDArray[np.float32] | None,
 ) -> NDArray[np.float32]:
     """Weights in (0, 1] that fall to the edge of compact components and of suns, 1 elsewhere.
 
     The brighter a component is beyond what its picture shows, the more of what the picture
     shows is glare, and the smaller the source within.
+
+    Args:
+        components: Of the panorama.
+        shown: (K + 1,), the energy of each region in the picture.
+        energies: (K + 1,), what it should have.
+        sun: (K,), probability that a component is the sun; none is if not given.
     """
+    times_brighter = np.maximum(energies - shown, 0) / np.maximum(shown, 1e-12)
+    odds = np.zeros(len(components), np.float32) if sun is None else sun
     radius = np.zeros(len(components) + 1, np.float32)
     np.maximum.at(radius, components.labels.ravel(), components.edge_deg.ravel())
     compact = np.clip(2 - 2 * radius / COMPACT_DEG, 0, 1)
-    sure = np.clip((sun - SUN_FROM) / (SUN_SURE - SUN_FROM), 0, 1)
+    sure = np.clip((odds - SUN_FROM) / (SUN_SURE - SUN_FROM), 0, 1)
     compact[1:] = np.maximum(compact[1:], sure)
     power = compact * np.clip(np.log((times_brighter + 1) / GLARE_GAIN), 0, STEEPEST)
     inside = components.labels > 0
@@ -104,23 +129,34 @@ def _toward_middle(
     return weights
 
 
-def _interpolated(log_gain: NDArray[np.float32], reduced: ReducedPanorama) -> NDArray[np.float32]:
-    """The grid's log gain at every pixel, (H, W, 3), linear between the cells' centers."""
+def interpolate_gain(
+    log_gain: NDArray[np.float32], reduced: ReducedPanorama, width: int, rows: slice
+) -> NDArray[np.float32]:
+    """The grid's gain at the pixels of some rows of a map, at least 1, (h, W, 3) float32.
+
+    The log is linear between the cells' centers.
+
+    Args:
+        log_gain: (3, 64, 128).
+        reduced: The panorama that it is for, at any width.
+        width: Of the map.
+        rows: Of the map.
+    """
     share = reduced.at_width(GRID_WIDTH_PX).share
     grid = _filled(np.ascontiguousarray(log_gain.transpose(1, 2, 0)), share)
-    height, width = reduced.share.shape
     wrapped = np.concatenate([grid[:, -2:], grid, grid[:, :2]], axis=1)
     column = (np.arange(width, dtype=np.float32) + 0.5) * (GRID_WIDTH_PX / width) + 1.5
-    row = (np.arange(height, dtype=np.float32) + 0.5) * (GRID_HEIGHT_PX / height) - 0.5
-    row = np.clip(row, 0, GRID_HEIGHT_PX - 1)
+    row = (np.arange(rows.start, rows.stop, dtype=np.float32) + 0.5) * (2 * GRID_HEIGHT_PX / width)
+    row = np.clip(row - 0.5, 0, GRID_HEIGHT_PX - 1)
+    shape = (len(row), width)
     interpolated = cv2.remap(
         wrapped,
-        np.broadcast_to(column[None, :], (height, width)).copy(),
-        np.broadcast_to(row[:, None], (height, width)).copy(),
+        np.broadcast_to(column[None, :], shape).copy(),
+        np.broadcast_to(row[:, None], shape).copy().astype(np.float32),
         cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_REPLICATE,
     )
-    return np.asarray(interpolated, np.float32)
+    return np.asarray(np.exp(np.maximum(interpolated, 0)), np.float32)
 
 
 def _filled(grid: NDArray[np.float32], share: NDArray[np.float32]) -> NDArray[np.float32]:

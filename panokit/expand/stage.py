@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 from panokit.envmap import EnvironmentMap
 from panokit.errors import ImageError, ModelError
 from panokit.expand.anchoring import find_scale
-from panokit.expand.baselines import expand_area, expand_reinhard, expand_srgb
+from panokit.expand.baselines import area_gains, expand_area, expand_reinhard, expand_srgb
+from panokit.expand.components import find_components
 from panokit.expand.features import CONTRAST_WIDTH_PX
 from panokit.expand.lighting import describe_lighting, sun_hint
 from panokit.expand.network import Prediction, compose, load_network, predict
 from panokit.expand.reduce import ReducedPanorama, reduce_panorama
 from panokit.expand.settings import VERSION, ExpandSettings
+from panokit.expand.strips import WIDEST_WHOLE_PX, compose_wide, formula_wide, multiply_wide
 from panokit.panorama import Panorama
 from panokit.provenance import Step
 from panokit.sphere import energy, resize_radiance
@@ -53,17 +55,27 @@ def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> Enviro
     digest = weights_digest(settings.model)
     _check_lit(panorama.pixels)
     width_px = min(settings.width_px, panorama.width_px)
-    # A network looks at details that a narrower map would no longer show.
-    working_px = min(max(width_px, CONTRAST_WIDTH_PX), panorama.width_px)
+    # A network looks at details that a narrower map would no longer show, and at no finer ones
+    # than this: wider maps are composed in strips from what it said of the whole.
+    working_px = min(max(width_px, CONTRAST_WIDTH_PX), panorama.width_px, WIDEST_WHOLE_PX)
     reduced = reduce_panorama(panorama.pixels, working_px)
     _check_clear(reduced)
-    radiance, found, hint = _expanded(reduced, settings.model)
-    radiance = resize_radiance(radiance, width_px)
-    scale = find_scale(radiance, settings, panorama.frame, panorama.capture, hint)
+    whole, found, prediction = _expanded(panorama.pixels, reduced, settings, width_px)
+    # Lights are the same on a small copy, and need far less memory.
+    view = resize_radiance(whole, working_px)
+    hint = None
+    if prediction is not None:
+        hint = sun_hint(view, prediction.components.labels, prediction.sun)
+    radiance = resize_radiance(whole, width_px)
+    small = view if width_px > working_px else radiance
+    scale = find_scale(small, settings, panorama.frame, panorama.capture, hint)
     if scale.by:
-        radiance = np.asarray(radiance * np.float32(scale.factor), np.float32)
+        radiance, small = (
+            np.multiply(light, np.float32(scale.factor), dtype=np.float32)
+            for light in (radiance, small)
+        )
     lighting = describe_lighting(
-        radiance,
+        small,
         panorama.frame,
         panorama.capture,
         most_lights=settings.most_lights,
@@ -81,7 +93,7 @@ def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> Enviro
             "width_limited_by_panorama": width_px < settings.width_px,
             "burnt_share": round(reduced.burnt_share, 6),
             "energy_before": _rounded(energy(reduced.linear)),
-            "energy_after": _rounded(energy(radiance)),
+            "energy_after": _rounded(energy(small)),
             "scale": {"factor": float(f"{scale.factor:.6g}"), "by": scale.by or "clip level"},
             **found,
             "lighting": lighting,
@@ -113,13 +125,15 @@ def weights_digest(model: str) -> str:
 
 
 def _expanded(
-    reduced: ReducedPanorama, model: str
-) -> tuple[NDArray[np.float32], dict[str, Any], NDArray[np.float64] | None]:
-    """Radiance, what the model found, and where it sees the sun."""
-    if model in ANALYTIC:
-        return ANALYTIC[model](reduced), {}, None
-    network = load_network(model)
-    prediction = predict(reduced, network)
+    pixels: NDArray[np.uint8], reduced: ReducedPanorama, settings: ExpandSettings, width_px: int
+) -> tuple[NDArray[np.float32], dict[str, Any], Prediction | None]:
+    """Radiance, at least as wide as `reduced`; what the model found; what its network said."""
+    is_wide = width_px > reduced.width_px
+    if settings.model in ANALYTIC:
+        if is_wide:
+            return _formula_wide(pixels, reduced, settings.model, width_px), {}, None
+        return ANALYTIC[settings.model](reduced), {}, None
+    prediction = predict(reduced, load_network(settings.model, settings.device))
     gains = prediction.energy[1:] / prediction.components.energy
     found = {
         "curve_slopes": [round(slope, 4) for slope in prediction.curve_slopes],
@@ -127,8 +141,18 @@ def _expanded(
         "component_gain_ranges": _gain_ranges(prediction),
         "component_sun": [round(float(p), 3) for p in prediction.sun],
     }
-    radiance = compose(reduced, prediction)
-    return radiance, found, sun_hint(radiance, prediction.components.labels, prediction.sun)
+    if is_wide:
+        return compose_wide(pixels, width_px, reduced, prediction), found, prediction
+    return compose(reduced, prediction), found, prediction
+
+
+def _formula_wide(
+    pixels: NDArray[np.uint8], reduced: ReducedPanorama, model: str, width_px: int
+) -> NDArray[np.float32]:
+    if model == "area":
+        components = find_components(reduced)
+        return multiply_wide(pixels, width_px, components, area_gains(components))
+    return formula_wide(pixels, width_px, ANALYTIC[model])
 
 
 def _gain_ranges(prediction: Prediction) -> list[list[float]]:

@@ -12,7 +12,6 @@ from panokit.color import luminance, srgb_decode_u8
 from panokit.envmap import EnvironmentMap
 from panokit.errors import ImageError
 from panokit.expand import ExpandSettings, expand
-from panokit.expand.curve import apply_curve
 from panokit.io import write_environment_map
 from panokit.io.images import encode_png
 from panokit.panorama import Panorama
@@ -48,17 +47,28 @@ def test_a_white_picture_is_refused(capture, model):
     assert caught.value.values["burnt_share"] == pytest.approx(1)
 
 
-@pytest.mark.parametrize("model", ["srgb", "area", "expand-1"])
-def test_where_nothing_is_burnt_out_nothing_is_invented(capture, model):
+@pytest.mark.parametrize("model", ["srgb", "area", "expand-1", "expand-2"])
+def test_where_nothing_is_burnt_out_the_map_is_the_decoded_picture(capture, model):
     pixels = texture()
     result = expanded(pixels, capture, model)
     values = result.provenance.last("expand").values
-    slopes = values.get("curve_slopes", (1.0, 1.0))
-    # Only the camera's curve, which keeps white: no pixel gets brighter than it can be.
-    assert result.radiance == pytest.approx(apply_curve(srgb_decode_u8(pixels), *slopes), abs=1e-3)
-    assert result.radiance.max() <= 1
+    assert result.radiance == pytest.approx(srgb_decode_u8(pixels), abs=1e-6)
     assert values["burnt_share"] == 0
     assert not values.get("component_gains")
+    assert values.get("curve_slopes", [1, 1]) == [1, 1]
+    assert values["energy_after"] == pytest.approx(values["energy_before"], rel=1e-5)
+    assert values["lighting"]["sun"] is None
+
+
+def test_one_burnt_out_pixel_changes_little_else(capture):
+    pixels = texture()
+    before = expanded(pixels, capture).radiance
+    pixels[60, 100] = 255
+    after = expanded(pixels, capture).radiance
+    others = np.ones(before.shape[:2], bool)
+    others[60, 100] = False
+    assert np.abs(after / before - 1)[others].max() < 0.02
+    assert luminance(after)[60, 100] >= 1
 
 
 def test_a_single_burnt_out_channel_is_a_color_and_no_lamp(capture):
