@@ -15,13 +15,14 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
-    TaskID,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
 
 _PLAIN_INTERVAL_S = 5.0
+# Over a night nobody wants a line every five seconds.
+_INTERVAL_GROWS_AFTER_S = 600.0
 
 
 class Tick(Protocol):
@@ -69,34 +70,44 @@ class Console:
             sys.stdout.write(json.dumps(value, indent=1, sort_keys=True, default=str) + "\n")
 
     @contextmanager
-    def stage(self, name: str, total: int | None) -> Iterator[Tick]:
+    def stage(self, name: str, total: int | None, *, unit: str = "") -> Iterator[Tick]:
         """Show the progress of one stage; call what it yields once per item.
 
         Args:
             name: The stage.
             total: How many items there are, or None if nobody knows.
+            unit: What the items are called ("samples"); if given, tell how many are done in an
+                hour, and how long it will take.
         """
         if self.quiet or total == 0:
             yield lambda *, rejected=False: None
         elif self._errors.is_terminal:
-            yield from self._bar(name, total)
+            yield from self._bar(name, total, unit)
         else:
-            yield from self._lines(name, total)
+            yield from self._lines(name, total, unit)
 
-    def _bar(self, name: str, total: int | None) -> Iterator[Tick]:
+    def _bar(self, name: str, total: int | None, unit: str) -> Iterator[Tick]:
         with Progress(
             TextColumn("{task.description:<8}"),
-            BarColumn(bar_width=24),
+            BarColumn(bar_width=14 if unit else 24),
             MofNCompleteColumn(),
             TextColumn("{task.fields[rejected]}"),
             TimeElapsedColumn(),
-            TimeRemainingColumn(),
+            TimeRemainingColumn(elapsed_when_finished=False),
+            TextColumn("{task.fields[rate]}"),
             console=self._errors,
         ) as progress:
-            task = progress.add_task(name, total=total, rejected="")
-            yield self._counter(lambda done, rejected: _advance(progress, task, rejected))
+            task = progress.add_task(name, total=total, rejected="", rate="")
+            started = time.monotonic()
 
-    def _lines(self, name: str, total: int | None) -> Iterator[Tick]:
+            def advance(done: int, rejected: int) -> None:
+                rate = f"{_per_hour(done, time.monotonic() - started)}/h" if unit else ""
+                said = f"{rejected} rejected" if rejected else ""
+                progress.update(task, advance=1, rejected=said, rate=rate)
+
+            yield self._counter(advance)
+
+    def _lines(self, name: str, total: int | None, unit: str) -> Iterator[Tick]:
         started = last = time.monotonic()
         counts = {"done": 0, "rejected": 0}
 
@@ -104,18 +115,26 @@ class Console:
             nonlocal last
             counts.update(done=done, rejected=rejected)
             now = time.monotonic()
+            interval = _PLAIN_INTERVAL_S * max(1.0, (now - started) / _INTERVAL_GROWS_AFTER_S)
             # The last item is told of at the end, once.
-            if now - last >= _PLAIN_INTERVAL_S and done != total:
+            if now - last >= interval and done != total:
                 last = now
-                self._say(name, counts, total, now - started)
+                self._say(name, counts, total, now - started, unit)
 
         yield self._counter(report)
-        self._say(name, counts, total, time.monotonic() - started)
+        self._say(name, counts, total, time.monotonic() - started, unit)
 
-    def _say(self, name: str, counts: Mapping[str, int], total: int | None, seconds: float) -> None:
+    def _say(
+        self, name: str, counts: Mapping[str, int], total: int | None, seconds: float, unit: str
+    ) -> None:
+        done = counts["done"]
         of = "" if total is None else f" of {total}"
         rejected = f", {counts['rejected']} rejected" if counts["rejected"] else ""
-        self.note(f"{name}: {counts['done']}{of}{rejected}, {seconds:.0f} s")
+        rate = f", {_per_hour(done, seconds)} {unit}/h" if unit and done else ""
+        left = ""
+        if unit and total is not None and 0 < done < total:
+            left = f", {duration_text(seconds / done * (total - done))} left"
+        self.note(f"{name}: {done}{of}{rejected}, {duration_text(seconds)}{rate}{left}")
 
     def _counter(self, report: Callable[[int, int], None]) -> Tick:
         done = rejections = 0
@@ -129,8 +148,16 @@ class Console:
         return tick
 
 
-def _advance(progress: Progress, task: TaskID, rejected: int) -> None:
-    progress.update(task, advance=1, rejected=f"{rejected} rejected" if rejected else "")
+def _per_hour(done: int, seconds: float) -> str:
+    return f"{done / max(seconds, 1e-3) * 3600:,.0f}"
+
+
+def duration_text(seconds: float) -> str:
+    """A duration for people: "12 s", "25 min", "3 h 5 min"."""
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 120 else f"{minutes // 60} h {minutes % 60} min"
 
 
 def size_text(count: float) -> str:
