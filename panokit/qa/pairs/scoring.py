@@ -16,13 +16,14 @@ from panokit.metrics import (
     summarize,
 )
 from panokit.metrics.brightest import DOMINANT
+from panokit.metrics.spheres import Variant
 from panokit.qa.pairs.aligning import AlignedPair
 
 _THREE_SPHERES = "panokit-three-spheres"
 _SPHERE_PARTS = {"rmse": "radiance", "si_rmse": "radiance", "angular_deg": "°",
                  "normalized_rmse": ""}  # fmt: skip
 _MATERIALS = ("mirror", "matte_silver", "diffuse")
-_VARIANTS = ("compat", "fixed")
+_VARIANTS: tuple[Variant, ...] = ("compat", "fixed")
 _WHY_NOT: Mapping[str, str] = {
     "renders": "needs the published Blender scene; its scores by panokit's transport are "
     f"{_THREE_SPHERES}-*",

@@ -166,7 +166,9 @@ def compare_sets(
     """
     settings = settings or SetSettings()
     store = store or DescriptionStore()
-    ours, theirs, skipped = [], [], []
+    ours: list[DescribedMap] = []
+    theirs: list[DescribedMap] = []
+    skipped: list[Rejection] = []
     for members, described in ((augmented, ours), (reference, theirs)):
         for member in members:
             try:
@@ -196,8 +198,9 @@ def _compared(
     tested_a = [ours[i] for i in chosen[0]]
     tested_r = [theirs[i] for i in chosen[1]]
     tested = TwoSets(augmented=sets.augmented[chosen[0]], reference=sets.reference[chosen[1]])
-    values = [[one.description.values for one in part] for part in (tested_a, tested_r)]
-    vectors_a, vectors_r, figures = standardized(*values)
+    values_a = [one.description.values for one in tested_a]
+    values_r = [one.description.values for one in tested_r]
+    vectors_a, vectors_r, figures = standardized(values_a, values_r)
     energy, kernel = energy_and_kernel(
         vectors_a, vectors_r, tested, permutations=settings.permutations, seed=settings.seed
     )
@@ -215,7 +218,7 @@ def _compared(
         ),
         reference=tuple(theirs),
         paired=sum(moves.values()),
-        changes=changes_between(*values, tested, settings),
+        changes=changes_between(values_a, values_r, tested, settings),
         energy=energy,
         kernel=kernel,
         frechet=harmonics_frechet(

@@ -100,4 +100,4 @@ def _stops(light: NDArray[np.floating], weights: NDArray[np.float64]) -> NDArray
 
 def _power(light: NDArray[np.floating]) -> NDArray[np.float64]:
     coefficients = project_harmonics(light[..., None], ORDER)[:, 0]
-    return np.bincount(harmonics_degrees(ORDER), coefficients**2)
+    return np.asarray(np.bincount(harmonics_degrees(ORDER), coefficients**2), np.float64)

@@ -97,7 +97,7 @@ def align(
     return Alignment(
         residual_stops=np.sqrt(np.maximum(both, 0.0)),
         correlation=np.clip(best / norm, -1.0, 1.0),
-        yaw=place * (2 * np.pi / turns),
+        yaw=np.asarray(place * (2 * np.pi / turns), np.float64),
     )
 
 
