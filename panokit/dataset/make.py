@@ -136,9 +136,10 @@ def world_from_map(plan: SamplePlan) -> Rotation:
 
 def aligned_light(light: EnvironmentMap, world_from_camera: Rotation) -> EnvironmentMap:
     """The map in the camera's frame: the center looks where the camera looks; energy kept."""
-    turned = rotate_radiance(light.radiance, world_from_camera.inverse)
-    width = min(ALIGNED_WIDTH_PX, turned.shape[1])
-    return EnvironmentMap(radiance=resize_radiance(turned, width), frame=Frame.CAMERA)
+    # Made smaller first: turning a map costs as much as it has pixels.
+    width = min(ALIGNED_WIDTH_PX, light.width_px)
+    turned = rotate_radiance(resize_radiance(light.radiance, width), world_from_camera.inverse)
+    return EnvironmentMap(radiance=turned, frame=Frame.CAMERA)
 
 
 def _view_members(
@@ -198,7 +199,8 @@ def _meta(
         **drawn,
         "exposure": exposure,
         "materials": [material.to_json() for material in plan.materials],
-        "object": asdict(stock.objects.source(plan.object_id)),
+        "object": asdict(stock.objects.source(plan.object_id))
+        | {"sha256": stock.objects.digest(plan.object_id)},
         "probe": {
             "id": light.id,
             "place": light.place,

@@ -64,7 +64,8 @@ def place_rig(
         raise UsageError("The object is too large for the cameras. Scale it to about a meter.")
     if is_far_enough(near):
         return pair(near)
-    for _ in range(40):
+    # Halving the range of the log so often leaves a thousandth.
+    for _ in range(14):
         middle = float(np.sqrt(near * far))
         near, far = (near, middle) if is_far_enough(middle) else (middle, far)
     return pair(far)
