@@ -24,6 +24,8 @@ from panokit.sphere import resize_radiance
 
 # A sun of 0.53 degrees is one pixel then; wider maps only cost time.
 LIGHT_WIDTH_PX = 512
+# What a sample stores of its light is as wide.
+ALIGNED_WIDTH_PX = 256
 # Pictures taken this near to each other show the same houses.
 SAME_PLACE_M = 150.0
 _KEPT = 6
@@ -66,7 +68,7 @@ class Lights:
     _recent: "OrderedDict[str, EnvironmentMap]" = field(default_factory=OrderedDict)
 
     def load(self, id: str) -> EnvironmentMap:
-        """The map with this id, at most `LIGHT_WIDTH_PX` wide, its energy kept."""
+        """The map with this id at its working size, 256 to 512 pixels wide, its energy kept."""
         if id in self._recent:
             self._recent.move_to_end(id)
             return self._recent[id]
@@ -81,8 +83,8 @@ class Lights:
         if kept and kept.is_file():
             return np.asarray(np.load(kept), np.float32)
         radiance = read_environment_map(light.path).radiance
-        if radiance.shape[1] > LIGHT_WIDTH_PX:
-            radiance = resize_radiance(radiance, LIGHT_WIDTH_PX)
+        width = int(np.clip(radiance.shape[1], ALIGNED_WIDTH_PX, LIGHT_WIDTH_PX))
+        radiance = resize_radiance(radiance, width)
         if kept:
             kept.parent.mkdir(parents=True, exist_ok=True)
             # Several workers may do this at once; each writes the same bytes.

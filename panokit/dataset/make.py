@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.color.transfer import srgb_encode_u8
+from panokit.dataset.lights import ALIGNED_WIDTH_PX
 from panokit.dataset.members import exr_bytes, json_bytes
 from panokit.dataset.photograph import (
     blurred_background,
@@ -31,7 +32,6 @@ from panokit.io import encode_png
 from panokit.sphere import energy, resize_radiance, rotate_radiance
 from panokit.sphere.sampling import sample
 
-ALIGNED_WIDTH_PX = 256
 TARGET_PX = 64
 REFLECTANCE_PX = 64
 _REFLECTANCE_SAMPLES = 64
@@ -137,8 +137,8 @@ def world_from_map(plan: SamplePlan) -> Rotation:
 def aligned_light(light: EnvironmentMap, world_from_camera: Rotation) -> EnvironmentMap:
     """The map in the camera's frame: the center looks where the camera looks; energy kept."""
     # Made smaller first: turning a map costs as much as it has pixels.
-    width = min(ALIGNED_WIDTH_PX, light.width_px)
-    turned = rotate_radiance(resize_radiance(light.radiance, width), world_from_camera.inverse)
+    small = resize_radiance(light.radiance, ALIGNED_WIDTH_PX)
+    turned = rotate_radiance(small, world_from_camera.inverse)
     return EnvironmentMap(radiance=turned, frame=Frame.CAMERA)
 
 
