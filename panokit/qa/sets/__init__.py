@@ -4,7 +4,7 @@ settings      the rule's numbers
 members       the maps of a set, and which of them show one place
 measured      a map at the common size, its lights and harmonics
 descriptors   what a map's light is like, in figures without scale
-light_class   sun, overcast, night or indoor, from the light alone
+classes       sun, overcast, night or indoor, from the light alone
 store         descriptions kept by content
 resampling    shuffled labels and bootstraps over places
 distances     one figure in two sets
@@ -23,10 +23,10 @@ from panokit.lazy import lazy_names
 
 if TYPE_CHECKING:
     from panokit.qa.sets.changes import Change, Effect
+    from panokit.qa.sets.classes import LightClass, light_class
     from panokit.qa.sets.comparing import SetComparison, compare_sets
     from panokit.qa.sets.descriptors import DESCRIPTORS, describe
     from panokit.qa.sets.duplicates import NearDuplicate, find_near_duplicates
-    from panokit.qa.sets.light_class import LightClass, light_class
     from panokit.qa.sets.measured import measure
     from panokit.qa.sets.members import Member, members_of
     from panokit.qa.sets.settings import SetSettings
@@ -40,7 +40,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "Description": "panokit.qa.sets.store",
         "DescriptionStore": "panokit.qa.sets.store",
         "Effect": "panokit.qa.sets.changes",
-        "LightClass": "panokit.qa.sets.light_class",
+        "LightClass": "panokit.qa.sets.classes",
         "Member": "panokit.qa.sets.members",
         "NearDuplicate": "panokit.qa.sets.duplicates",
         "SetComparison": "panokit.qa.sets.comparing",
@@ -48,7 +48,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "compare_sets": "panokit.qa.sets.comparing",
         "describe": "panokit.qa.sets.descriptors",
         "find_near_duplicates": "panokit.qa.sets.duplicates",
-        "light_class": "panokit.qa.sets.light_class",
+        "light_class": "panokit.qa.sets.classes",
         "measure": "panokit.qa.sets.measured",
         "members_of": "panokit.qa.sets.members",
     },

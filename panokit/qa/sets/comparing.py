@@ -9,9 +9,9 @@ import numpy as np
 
 from panokit.errors import ItemError, Rejection, UsageError
 from panokit.qa.sets.changes import Change, Effect, changes_between
+from panokit.qa.sets.classes import MEANINGS
 from panokit.qa.sets.coverage import Coverage, coverage_of
 from panokit.qa.sets.duplicates import NearDuplicate, find_near_duplicates
-from panokit.qa.sets.light_class import MEANINGS
 from panokit.qa.sets.members import Member, groups_of
 from panokit.qa.sets.multivariate import (
     Neighborhood,

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from panokit.color.luminance import luminance
 from panokit.io import read_environment_map, write_bytes
 from panokit.io.files import read_bytes, sha256_of_file
+from panokit.qa.sets.classes import LightClass, light_class
 from panokit.qa.sets.descriptors import DESCRIPTORS, describe
-from panokit.qa.sets.light_class import LightClass, light_class
 from panokit.qa.sets.measured import Measured, measure
 from panokit.sphere import (
     harmonics_degrees,
