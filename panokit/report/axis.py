@@ -102,7 +102,8 @@ def _ticks(low: float, high: float) -> list[tuple[float, str]]:
     power = 10.0 ** np.floor(np.log10(rough))
     step = next(f * power for f in (1, 2, 5, 10) if f * power >= rough * (1 - 1e-9))
     numbers = np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step
-    return [(float(n), format_limit(float(f"{n:.6g}"))) for n in numbers]
+    # Plus 0.0: no tick is called minus nothing.
+    return [(float(n), format_limit(float(f"{n:.6g}") + 0.0)) for n in numbers]
 
 
 def _log_ticks(low: float, high: float) -> list[tuple[float, str]]:

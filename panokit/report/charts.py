@@ -12,7 +12,7 @@ from panokit.report.wording import format_figure
 
 WIDTH, HEIGHT = 360, 176
 _LEFT, _RIGHT, _TOP, _BOTTOM = 40, 10, 18, 26
-_BINS = 24
+_FEWEST_BINS, _MOST_BINS = 6, 30
 
 Numbers = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def draw(chart: Chart) -> Drawing:
     across = [np.asarray(chart.at, np.float64)] if counted else kept
     axis = axis_of(across, chart.marks, log=chart.log, span=(_LEFT, WIDTH - _RIGHT))
     if chart.kind == "histogram":
-        edges = np.linspace(axis.low, axis.high, _BINS + 1)
+        edges = np.linspace(axis.low, axis.high, _bins(kept) + 1)
         counts = [np.histogram(axis.scaled(v), edges)[0].astype(np.float64) for v in kept]
         series, y_ticks = _histogram(chart, counts, edges, axis)
     elif chart.kind == "bins":
@@ -98,6 +98,12 @@ def draw(chart: Chart) -> Drawing:
         marks=tuple(_mark(mark.label, axis.place(mark.value)) for mark in axis.marks),
         summary=() if counted else tuple(map(_summary, chart.series, kept, [chart.unit] * 4)),
     )
+
+
+def _bins(kept: Sequence[Numbers]) -> int:
+    """A little more than Rice's rule, 2 n^(1/3), since the reader sees single maps."""
+    most = max(len(values) for values in kept)
+    return int(np.clip(np.ceil(2.5 * most ** (1 / 3)), _FEWEST_BINS, _MOST_BINS))
 
 
 def _kept(series: Series, *, log: bool) -> Numbers:

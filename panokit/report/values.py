@@ -74,6 +74,7 @@ class Cell:
     Attributes:
         text: What it says.
         note: A quieter line below.
+        lines: One line for each of many things, instead of a text.
         badge: A word that stands out, after the text.
         link: The name of a map of the page's gallery that the text leads to.
         sort: What the column is sorted by, if not by the text.
@@ -82,6 +83,7 @@ class Cell:
 
     text: str = ""
     note: str = ""
+    lines: tuple[str, ...] = ()
     badge: Badge | None = None
     link: str = ""
     sort: float | None = None

@@ -1,9 +1,8 @@
-"""The HTML report of QA, one file without any external request, and qa.json beside it.
+"""The report of QA: one HTML file without any external request, and qa.json beside it.
 
-html      the page engine: templates, pictures as data URIs; knows nothing of QA
-pictures  what a map looks like: bracket, tone mapping, false color, balls
-accuracy  how near to its reference a map is
-words     what QA found out, in words
-cards     a judged map as a card of the page
-write     `write_report`
+accuracy       how near to its reference a map is
+words          what QA found out, in words
+cards          a judged map as an entry of the gallery
+distributions  the figures of all maps as charts
+write          `write_report`; the page itself is made by `panokit.report`
 """

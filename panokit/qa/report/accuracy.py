@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from statistics import median
 
 from panokit.qa.batch import JudgedMap
-from panokit.qa.report.html import format_figure, format_limit
+from panokit.report.wording import format_figure, format_limit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,177 +1,142 @@
-"""One judged map as its card on the page: pictures, and the words beside them."""
+"""One judged map as an entry of the gallery: its layers, and all that was found out about it."""
 
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from panokit.envmap import EnvironmentMap
 from panokit.errors import ItemError, StorageError
-from panokit.io import read_environment_map
+from panokit.io import decode_image, read_environment_map
+from panokit.io.files import read_bytes
 from panokit.qa.batch import JudgedMap
-from panokit.qa.comparison import Comparison
-from panokit.qa.report import pictures, words
-from panokit.qa.report.html import Picture, picture
+from panokit.qa.report import words
+from panokit.report.entries import light_map
+from panokit.report.plain import sections_of
+from panokit.report.values import MapEntry, Section, Text
+from panokit.report.wording import words_of
+
+# What the entry shows by itself; anything else that a judged map tells is shown as it is.
+_SHOWN = {
+    "name",
+    "file",
+    "verdict",
+    "report",
+    "rejection",
+    "comparison",
+    "standings",
+    "license",
+    "attribution",
+    "category",
+}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class View:
-    """A map as a whole: of the map that is judged, or of its reference."""
+def entry_of(judged: JudgedMap, width_px: int) -> MapEntry:
+    """The entry of a map that could be read.
 
-    tonemapped: Picture
-    luminance: Picture
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BallRow:
-    """A row of relit balls: of the map, or of its reference."""
-
-    label: str
-    pictures: tuple[Picture, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Card:
-    """Everything that the page shows of one map."""
-
-    name: str
-    anchor: str
-    verdict: str
-    subtitle: str
-    summary: str
-    photographs: tuple[Picture, ...]
-    views: tuple[View, ...]
-    bracket: tuple[Picture, ...]
-    balls: tuple[BallRow, ...]
-    checks: tuple[words.Row, ...]
-    differences: tuple[words.Row, ...]
-    obstacle: str
-    gain_note: str
-    standings: tuple[words.StandingRow, ...]
-    steps: tuple[words.StepRow, ...]
-    license: str
-    attribution: str
-
-
-def card_of(judged: JudgedMap, anchor: str) -> Card:
-    """The card of a map that could be read.
+    Args:
+        judged: The map.
+        width_px: The most that its layers may be wide.
 
     Raises:
         ItemError: If its file has changed since it was judged.
         StorageError: If its file has gone.
     """
     envmap = read_environment_map(judged.item.map_path)
-    truth = _truth(judged)
-    comparison = judged.comparison
-    return Card(
-        name=judged.item.name,
-        anchor=anchor,
-        verdict=str(judged.verdict),
+    return light_map(
+        envmap,
+        judged.item.name,
+        photos=_photographs(judged),
+        references=_references(judged),
+        width_px=width_px,
+        badge=words.verdict_badge(str(judged.verdict)),
+        category=_category(judged),
+        figures=figures_of(judged),
         subtitle=words.subtitle(judged.capture, envmap),
         summary=words.failure_summary(judged.report.failed if judged.report else ()),
-        photographs=_photographs(judged),
-        views=_views(judged.item.name, envmap, truth),
-        bracket=_bracket(judged.item.name, envmap),
-        balls=_balls(judged.item.name, envmap, truth, comparison),
-        checks=tuple(
-            words.check_row(check) for check in (judged.report.checks if judged.report else ())
-        ),
-        differences=words.difference_rows(comparison),
-        obstacle=comparison.obstacle if comparison else "",
-        gain_note=words.gain_note(comparison),
-        standings=tuple(words.standing_row(standing) for standing in judged.standings),
-        steps=words.step_rows(judged.provenance),
-        license=judged.capture.license.id if judged.capture else "unknown",
-        attribution=judged.capture.license.attribution if judged.capture else "",
+        facts=_facts(judged),
     )
 
 
-def _truth(judged: JudgedMap) -> EnvironmentMap | None:
+def count_layers(maps: tuple[JudgedMap, ...]) -> tuple[int, int]:
+    """How many maps of radiance, and how many photographs, the page will hold."""
+    read = [judged for judged in maps if judged.report is not None]
+    truths = sum(_truth_path(judged) is not None for judged in read)
+    photos = sum(path is not None for judged in read for path in _photograph_paths(judged).values())
+    return len(read) + truths, photos
+
+
+def figures_of(judged: JudgedMap) -> dict[str, float | None]:
+    """Label -> value of every check and every difference, to sort by."""
+    checks = judged.report.checks if judged.report else ()
+    differences = judged.comparison.differences if judged.comparison else ()
+    figures: dict[str, float | None] = {words_of(c.name): c.value for c in checks}
+    return figures | {difference.label: difference.value for difference in differences}
+
+
+def _category(judged: JudgedMap) -> str:
+    said = getattr(judged, "category", "")
+    return str(said) if said else judged.capture.place if judged.capture else ""
+
+
+def _truth_path(judged: JudgedMap) -> Path | None:
     comparison = judged.comparison
-    if comparison is None or comparison.obstacle or comparison.path is None:
-        return None
-    return read_environment_map(comparison.path)
+    return None if comparison is None or comparison.obstacle else comparison.path
 
 
-def _photographs(judged: JudgedMap) -> tuple[Picture, ...]:
+def _references(judged: JudgedMap) -> dict[str, tuple[EnvironmentMap, float]]:
+    """The truth on the map's own scale."""
+    path, comparison = _truth_path(judged), judged.comparison
+    if path is None or comparison is None:
+        return {}
+    return {"Reference": (read_environment_map(path), 1 / comparison.gain)}
+
+
+def _photograph_paths(judged: JudgedMap) -> dict[str, Path | None]:
     item = judged.item
-    return (
-        *_photograph(item.panorama_path, item.name, "Panorama, as stitched"),
-        *_photograph(item.filled_path, item.name, "Holes filled"),
-    )
+    return {"Panorama, holes filled": item.filled_path, "Panorama, as stitched": item.panorama_path}
 
 
-def _views(name: str, envmap: EnvironmentMap, truth: EnvironmentMap | None) -> tuple[View, ...]:
-    own = _view("Light map", name, envmap)
-    return (own,) if truth is None else (own, _view("Reference", name, truth))
+def _photographs(judged: JudgedMap) -> dict[str, NDArray[np.uint8]]:
+    found = {}
+    for label, path in _photograph_paths(judged).items():
+        pixels = _photograph(path) if path else None
+        if pixels is not None:
+            found[label] = pixels
+    return found
 
 
-def _view(what: str, name: str, envmap: EnvironmentMap) -> View:
-    return View(
-        tonemapped=picture(
-            pictures.tonemapped(envmap),
-            alt=f"{what} of {name}, tone mapped to show sources and shadows at once",
-            caption=f"{what}, tone mapped",
-        ),
-        luminance=picture(
-            pictures.false_color(envmap),
-            alt=f"{what} of {name}: luminance in false color, blue dark, red bright",
-            caption=f"{what}: luminance, in stops from its median",
-        ),
-    )
-
-
-def _photograph(path: Path | None, name: str, caption: str) -> list[Picture]:
-    if path is None:
-        return []
+def _photograph(path: Path) -> NDArray[np.uint8] | None:
+    """A picture beside the map; one that has gone is not worth the report."""
     try:
-        pixels = pictures.panorama_pixels(path)
+        pixels = decode_image(read_bytes(path), what=str(path))
     except (ItemError, StorageError):
-        # The map is what is judged; a picture beside it that has gone is not worth the report.
-        return []
-    return [picture(pixels, alt=f"{caption}: {name}", caption=caption)]
+        return None
+    whole = pixels.shape[1] == 2 * pixels.shape[0]
+    return pixels if whole else None
 
 
-def _bracket(name: str, envmap: EnvironmentMap) -> tuple[Picture, ...]:
-    return tuple(
-        picture(
-            exposure.pixels,
-            alt=f"{name} at {_stops(exposure.stops)}",
-            caption=_stops(exposure.stops),
-            quality=76,
-        )
-        for exposure in pictures.exposures(envmap)
-    )
+def _facts(judged: JudgedMap) -> tuple[Section, ...]:
+    facts: list[Section] = list(words.check_tables(judged.report.checks if judged.report else ()))
+    comparison = judged.comparison
+    if comparison is not None and comparison.obstacle:
+        said = f"Not compared: {comparison.obstacle}"
+        facts.append(Text(title="Against the reference", paragraphs=(said,), small=True))
+    elif comparison is not None and comparison.differences:
+        facts.append(words.difference_table(comparison))
+    if judged.standings:
+        facts.append(words.standing_table(judged.standings))
+    record: dict[str, Any] = judged.to_json()
+    for key, value in record.items():
+        if key not in _SHOWN and value not in (None, (), [], {}, ""):
+            facts += sections_of(words_of(key), value)
+    if judged.provenance.steps:
+        facts.append(words.step_table(judged.provenance))
+    return (*facts, _terms(judged))
 
 
-def _stops(stops: int) -> str:
-    if stops == 0:
-        return "0 stops"
-    return f"−{-stops} stop{'s' if stops != -1 else ''}"
-
-
-def _balls(
-    name: str,
-    envmap: EnvironmentMap,
-    truth: EnvironmentMap | None,
-    comparison: Comparison | None,
-) -> tuple[BallRow, ...]:
-    if truth is None or comparison is None:
-        return (_ball_row("This map", name, pictures.balls(envmap)),)
-    aligned = envmap.with_changes(radiance=envmap.radiance * np.float32(comparison.gain))
-    right = pictures.balls(truth)
-    return (
-        _ball_row("This map", name, pictures.balls(aligned, exposure=right.exposure)),
-        _ball_row("Reference", f"the reference of {name}", right),
-    )
-
-
-def _ball_row(label: str, name: str, balls: pictures.Balls) -> BallRow:
-    kinds = (("Diffuse", balls.diffuse), ("Glossy", balls.glossy), ("Mirror", balls.mirror))
-    return BallRow(
-        label=label,
-        pictures=tuple(
-            picture(pixels, alt=f"{kind} ball lit by {name}", disc=True, quality=84)
-            for kind, pixels in kinds
-        ),
-    )
+def _terms(judged: JudgedMap) -> Text:
+    capture = judged.capture
+    parts = [capture.license.id, capture.license.attribution] if capture else ["unknown"]
+    return Text(title="License", paragraphs=(" · ".join(p for p in parts if p),), small=True)

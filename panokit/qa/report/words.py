@@ -1,7 +1,6 @@
-"""What QA found out, in words: the lines of the tables on a map's card."""
+"""What QA found out, in words: the lines of the tables on a map's page."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from panokit.capture import Capture, TimePrecision
@@ -11,8 +10,9 @@ from panokit.provenance import Provenance
 from panokit.qa.comparison import Comparison
 from panokit.qa.distribution import Standing
 from panokit.qa.report.accuracy import grade_of
-from panokit.qa.report.html import format_figure, format_limit
-from panokit.qa.verdicts import Check, Verdict
+from panokit.qa.verdicts import Check
+from panokit.report.values import Badge, Cell, Column, Table, Tone
+from panokit.report.wording import format_figure, format_limit, words_of
 
 _TIME_FORMATS: Mapping[TimePrecision, str] = {
     TimePrecision.SECOND: "%Y-%m-%d %H:%M UTC",
@@ -31,54 +31,29 @@ _ANCHORS: Mapping[Anchor, str] = {
     Anchor.LUMINANCE: "in cd/m²",
     Anchor.RADIANCE: "in W/(sr m²)",
 }
+# "Pass" would be taken for "the light is right", which no check can tell.
+_VERDICTS: Mapping[str, str] = {"pass": "No defect", "fail": "Defect", "not-applicable": "n/a"}
+_VERDICT_TONES: Mapping[str, Tone] = {"fail": "fail", "suspect": "fair", "warn": "fair"}
 _LONGEST_VALUE = 120
+_FIGURE, _VALUE = Column(label="Figure"), Column(label="Value", numeric=True)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
-    """One line of a table: every cell is a finished text.
-
-    Attributes:
-        label: What the figure is called.
-        value: The figure with its unit.
-        meaning: The plain sentence below the label.
-        limits: What passes, for a check.
-        verdict: "pass", "fail" or "not-applicable", for a check.
-        grade: "good", "fair" or "poor", for a difference from the truth that has bounds.
-    """
-
-    label: str
-    value: str
-    meaning: str = ""
-    limits: str = ""
-    verdict: str = ""
-    grade: str = ""
+def verdict_badge(verdict: str) -> Badge:
+    """A verdict as a word that stands out."""
+    text = _VERDICTS.get(verdict, words_of(verdict))
+    return Badge(text=text, tone=_VERDICT_TONES.get(verdict, ""))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StandingRow:
-    """Where one figure lies among those of the references, in words."""
-
-    label: str
-    value: str
-    meaning: str
-    range: str
-    place: str
-    percent: str
+def _check_badge(verdict: str) -> Badge:
+    """The same in the table of a map's checks, where most are as they should be."""
+    return Badge(text="ok") if verdict == "pass" else verdict_badge(verdict)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StepRow:
-    """One provenance step in words."""
-
-    stage: str
-    version: str
-    values: str
-
-
-def label_of(name: str) -> str:
-    """A figure's name for people: "wrap-seam" is "Wrap seam"."""
-    return name.replace("-", " ").capitalize()
+def grade_badge(name: str, value: float | None) -> Badge | None:
+    """How good a figure is, where it has bounds."""
+    tones: dict[str, Tone] = {"good": "good", "fair": "fair", "poor": "poor"}
+    grade = grade_of(name, value)
+    return Badge(text=grade, tone=tones[grade]) if grade else None
 
 
 def subtitle(capture: Capture | None, envmap: EnvironmentMap) -> str:
@@ -99,79 +74,121 @@ def failure_summary(failed: Sequence[Check]) -> str:
     """One sentence on the checks that fail, "" if none does."""
     if not failed:
         return ""
-    words = [
-        f"{label_of(check.name).lower()} is {format_figure(check.value, check.unit)}, "
-        f"allowed is {_limits(check)}"
-        for check in failed
-    ]
+    words = [_failure(check, check.to_json()) for check in failed]
     return f"Defect: {'; '.join(words)}."
 
 
-def check_row(check: Check) -> Row:
-    """A check as a line of its table."""
-    return Row(
-        label=label_of(check.name),
-        value=format_figure(check.value, check.unit),
-        meaning=check.meaning,
-        limits="" if check.verdict is Verdict.NOT_APPLICABLE else _limits(check),
-        verdict=str(check.verdict),
-    )
-
-
-def difference_rows(comparison: Comparison | None) -> tuple[Row, ...]:
-    """The differences from the truth as lines of their table."""
+def check_tables(checks: Sequence[Check]) -> tuple[Table, ...]:
+    """The checks, a table for each family; those without a family in the first."""
+    families: dict[str, list[Check]] = {}
+    for check in checks:
+        families.setdefault(str(check.to_json().get("family") or ""), []).append(check)
     return tuple(
-        Row(
-            label=difference.label,
-            value=format_figure(difference.value, difference.unit),
-            meaning=difference.meaning,
-            grade=grade_of(difference.name, difference.value),
+        Table(
+            title=f"Checks: {words_of(family).lower()}" if family else "Checks for defects",
+            columns=(_FIGURE, _VALUE),
+            rows=tuple(_check_row(check) for check in members),
+            headings=False,
         )
-        for difference in (comparison.differences if comparison else ())
+        for family, members in sorted(families.items(), key=lambda one: one[0] != "")
     )
 
 
-def gain_note(comparison: Comparison | None) -> str:
-    """What was done to the scale before comparing, "" if nothing."""
-    if comparison is None or comparison.gain == 1.0:
-        return ""
+def _check_row(check: Check) -> tuple[Cell, Cell]:
+    record = check.to_json()
+    said = [check.meaning, str(record.get("message") or record.get("reason") or "")]
+    judged = str(check.verdict) != "not-applicable"
     return (
-        f"The scale is relative: the map was multiplied by {format_figure(comparison.gain)} first."
+        Cell(text=words_of(check.name), note=" ".join(s for s in said if s)),
+        Cell(
+            text=format_figure(check.value, check.unit),
+            badge=_check_badge(str(check.verdict)),
+            note=_limits(record) if judged else "",
+        ),
     )
 
 
-def standing_row(standing: Standing) -> StandingRow:
-    """A standing as a line of its table."""
+def _failure(check: Check, record: Mapping[str, Any]) -> str:
+    said = f"{words_of(check.name).lower()} is {format_figure(check.value, check.unit)}"
+    limits = _limits(record)
+    if limits:
+        return f"{said}, allowed is {limits}"
+    return f"{said} ({record['message']})" if record.get("message") else said
+
+
+def _limits(record: Mapping[str, Any]) -> str:
+    low, high = record.get("low"), record.get("high", record.get("limit"))
+    if isinstance(low, int | float) and isinstance(high, int | float):
+        return f"{format_limit(low)} to {format_limit(high)}"
+    if isinstance(low, int | float):
+        return f"at least {format_limit(low)}"
+    return f"at most {format_limit(high)}" if isinstance(high, int | float) else ""
+
+
+def difference_table(comparison: Comparison) -> Table:
+    """The differences from the truth."""
+    gain = format_figure(comparison.gain)
+    note = (
+        ""
+        if comparison.gain == 1.0
+        else f"The scale is relative: the map was multiplied by {gain} first."
+    )
+    return Table(
+        title="Against the reference",
+        columns=(_FIGURE, _VALUE),
+        rows=tuple(
+            (
+                Cell(text=difference.label, note=difference.meaning),
+                Cell(
+                    text=format_figure(difference.value, difference.unit),
+                    badge=grade_badge(difference.name, difference.value),
+                ),
+            )
+            for difference in comparison.differences
+        ),
+        headings=False,
+        note=note,
+    )
+
+
+def standing_table(standings: Sequence[Standing]) -> Table:
+    """Where the map's figures lie among those of the references."""
+    return Table(
+        title="Among the reference maps",
+        columns=(_FIGURE, _VALUE, Column(label="Place among the references")),
+        rows=tuple(_standing_row(standing) for standing in standings),
+        headings=False,
+    )
+
+
+def _standing_row(standing: Standing) -> tuple[Cell, Cell, Cell]:
     low, median, high = (format_figure(v) for v in (standing.low, standing.median, standing.high))
-    return StandingRow(
-        label=label_of(standing.name),
-        value=format_figure(standing.value, standing.unit),
-        meaning=standing.meaning,
-        range=f"References: median {median}, nine in ten from {low} to {high}",
-        place=f"above {standing.percentile:.0f} % of them",
-        percent=f"{standing.percentile:.1f}",
+    spread = f"References: median {median}, nine in ten from {low} to {high}."
+    return (
+        Cell(text=words_of(standing.name), note=f"{standing.meaning} {spread}"),
+        Cell(text=format_figure(standing.value, standing.unit)),
+        Cell(percent=standing.percentile, note=f"above {standing.percentile:.0f} % of them"),
     )
 
 
-def step_rows(provenance: Provenance) -> tuple[StepRow, ...]:
+def step_table(provenance: Provenance) -> Table:
     """The provenance, one line for each step."""
-    return tuple(
-        StepRow(stage=step.stage, version=step.version, values=_values(step.values))
-        for step in provenance.steps
+    return Table(
+        title=f"How it was made: {', '.join(step.stage for step in provenance.steps)}",
+        columns=(Column(label="Step"), Column(label="With")),
+        rows=tuple(
+            (
+                Cell(text=step.stage, note=f"version {step.version}"),
+                Cell(note=_values(step.values)),
+            )
+            for step in provenance.steps
+        ),
+        headings=False,
     )
-
-
-def _limits(check: Check) -> str:
-    if check.low is not None and check.high is not None:
-        return f"{format_limit(check.low)} to {format_limit(check.high)}"
-    if check.low is not None:
-        return f"at least {format_limit(check.low)}"
-    return "" if check.high is None else f"at most {format_limit(check.high)}"
 
 
 def _values(values: Mapping[str, Any]) -> str:
-    words = (f"{name} {_short(value)}" for name, value in sorted(values.items()))
-    return " · ".join(words)
+    return " · ".join(f"{name} {_short(value)}" for name, value in sorted(values.items()))
 
 
 def _short(value: Any) -> str:

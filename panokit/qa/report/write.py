@@ -1,53 +1,48 @@
 """The report of QA: report.html for people, qa.json for programs."""
 
-import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import panokit
 from panokit.errors import ItemError, Rejection
-from panokit.io import write_bytes, write_json
+from panokit.io import write_json
 from panokit.qa.batch import JudgedMap, QaResult
-from panokit.qa.report import pictures
-from panokit.qa.report.accuracy import explanation, grade_of, medians
-from panokit.qa.report.cards import Card, card_of
-from panokit.qa.report.html import format_figure, picture, render_page
-from panokit.qa.report.words import label_of
+from panokit.qa.report import words
+from panokit.qa.report.accuracy import explanation, medians
+from panokit.qa.report.cards import count_layers, entry_of
+from panokit.qa.report.distributions import check_charts, difference_charts
+from panokit.report.layers import layer_width_px
+from panokit.report.page import write_page
+from panokit.report.plain import sections_of
+from panokit.report.values import (
+    Badge,
+    Cell,
+    Column,
+    Count,
+    Counts,
+    Gallery,
+    MapEntry,
+    Page,
+    Section,
+    Table,
+    Text,
+)
+from panokit.report.wording import format_figure, words_of
 
 REPORT_NAME = "report.html"
 JSON_NAME = "qa.json"
 _CHECK_COLUMNS = ("dynamic-range", "top-share")
 _DIFFERENCE_COLUMNS = ("irradiance-error", "light-direction")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ReasonGroup:
-    """The rejections that share a reason."""
-
-    reason: str
-    stages: tuple[str, ...]
-    items: tuple[Rejection, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cell:
-    """One figure in the table of all maps, with its grade where it is graded."""
-
-    text: str
-    grade: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OverviewRow:
-    """One map in the table of all maps."""
-
-    name: str
-    anchor: str
-    verdict: str
-    cells: tuple[Cell, ...]
-    license: str
+# What the page shows by itself; anything else that QA tells is shown as it is.
+_SHOWN = {
+    "schema",
+    "version",
+    "settings",
+    "counts",
+    "references",
+    "skipped_references",
+    "maps",
+    "rejections",
+}
 
 
 def write_report(
@@ -71,37 +66,40 @@ def write_report(
     Raises:
         StorageError: If the folder cannot be written.
     """
-    cards, gone = _cards(result)
+    path = write_page(report_page(result, title=title, rejections=rejections), out / REPORT_NAME)
+    record = {**result.to_json(), "rejections": [r.to_json() for r in rejections]}
+    write_json(out / JSON_NAME, record)
+    return path
+
+
+def report_page(
+    result: QaResult, *, title: str = "Light probes", rejections: Sequence[Rejection] = ()
+) -> Page:
+    """The report as values; arguments as of `write_report`."""
+    entries, gone = _entries(result)
     rejected = (
         *rejections,
         *(judged.rejection for judged in result.unreadable if judged.rejection),
         *gone,
     )
-    page = render_page(
-        "qa.html.j2",
+    shown = {entry.name for entry in entries}
+    maps = [judged for judged in result.maps if judged.item.name in shown]
+    sections: list[Section | None] = [
+        _rejection_table(rejected),
+        Gallery(title="Maps", entries=tuple(entries)) if entries else None,
+        difference_charts(maps),
+        check_charts(maps),
+        _overview(maps) if maps else None,
+    ]
+    for key, value in result.to_json().items():
+        if key not in _SHOWN and value not in (None, [], {}, ""):
+            sections += sections_of(words_of(key), value)
+    return Page(
         title=title,
-        version=panokit.__version__,
-        counts={
-            "maps": len(cards),
-            "passed": len(result.passed),
-            "failed": len(result.failed),
-            "rejected": len(rejected),
-        },
-        medians=medians(result.maps),
-        explanation=explanation(result.maps) if cards else "",
-        banner=synthetic_banner(result.maps),
-        rejections=_by_reason(rejected),
-        overview=_overview(result, cards),
-        cards=cards,
-        legend=picture(pictures.false_color_legend(), alt="", quality=90),
-        legend_ticks=_legend_ticks(),
-        method=_method(result),
+        head=_head(result, len(entries), len(rejected)),
+        sections=tuple(section for section in sections if section is not None),
+        footer=_method(result),
     )
-    path = out / REPORT_NAME
-    write_bytes(path, page.encode())
-    record = {**result.to_json(), "rejections": [r.to_json() for r in rejections]}
-    write_json(out / JSON_NAME, record)
-    return path
 
 
 def synthetic_banner(maps: Sequence[JudgedMap]) -> str:
@@ -119,63 +117,91 @@ def synthetic_banner(maps: Sequence[JudgedMap]) -> str:
     return f"{synthetic} of these {len(maps)} panoramas {verb} {said}."
 
 
-def _cards(result: QaResult) -> tuple[list[Card], list[Rejection]]:
-    cards, gone = [], []
-    taken: set[str] = set()
+def _entries(result: QaResult) -> tuple[list[MapEntry], list[Rejection]]:
+    width = layer_width_px(*count_layers(result.maps))
+    entries: list[MapEntry] = []
+    gone = []
     for judged in result.maps:
         if judged.report is None:
             continue
         try:
-            cards.append(card_of(judged, _anchor(judged.item.name, taken)))
+            entries.append(entry_of(judged, width))
         except ItemError as error:
             gone.append(Rejection.from_error(judged.item.name, "qa", error))
-    return cards, gone
+    return entries, gone
 
 
-def _anchor(name: str, taken: set[str]) -> str:
-    base = "map-" + re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")
-    anchor, number = base, 2
-    while anchor in taken:
-        anchor, number = f"{base}-{number}", number + 1
-    taken.add(anchor)
-    return anchor
+def _head(result: QaResult, shown: int, rejected: int) -> tuple[Section, ...]:
+    failed = len(result.failed)
+    counts = [
+        Count(label="light map" if shown == 1 else "light maps", value=str(shown)),
+        Count(label="no defect found", value=str(len(result.passed))),
+        Count(label="with a defect", value=str(failed), tone="fail" if failed else ""),
+        Count(label="rejected", value=str(rejected), tone="fail" if rejected else ""),
+    ]
+    for middle in medians(result.maps):
+        badge = Badge(text=middle.grade, tone=middle.grade)  # type: ignore[arg-type]
+        counts.append(Count(label=middle.label, value=middle.value, badge=badge))
+    head: list[Section] = [Counts(counts=tuple(counts))]
+    if shown:
+        head.append(Text(paragraphs=(explanation(result.maps),), small=True))
+    banner = synthetic_banner(result.maps)
+    if banner:
+        head.append(Text(paragraphs=(banner,), tone="note"))
+    return tuple(head)
 
 
-def _by_reason(rejections: Sequence[Rejection]) -> list[ReasonGroup]:
+def _rejection_table(rejections: Sequence[Rejection]) -> Table | None:
+    """The rejections by reason, the most frequent first."""
     groups: dict[str, list[Rejection]] = {}
     for rejection in rejections:
         groups.setdefault(rejection.reason, []).append(rejection)
-    return [
-        ReasonGroup(
-            reason=reason,
-            stages=tuple(sorted({item.stage for item in items})),
-            items=tuple(items),
-        )
-        for reason, items in sorted(groups.items(), key=lambda group: (-len(group[1]), group[0]))
-    ]
+    if not groups:
+        return None
+    ordered = sorted(groups.items(), key=lambda group: (-len(group[1]), group[0]))
+    return Table(
+        title="Rejected",
+        columns=(
+            Column(label="Reason"),
+            Column(label="Count", numeric=True),
+            Column(label="What happened"),
+        ),
+        rows=tuple(
+            (
+                Cell(text=reason, note=f"in {', '.join(sorted({r.stage for r in items}))}"),
+                Cell(text=str(len(items)), sort=float(len(items))),
+                Cell(lines=tuple(f"{item.item}: {item.message}" for item in items)),
+            )
+            for reason, items in ordered
+        ),
+    )
 
 
-def _overview(result: QaResult, cards: Sequence[Card]) -> dict[str, Any]:
-    shown = {card.name: card for card in cards}
-    maps = [judged for judged in result.maps if judged.report and judged.item.name in shown]
+def _overview(maps: Sequence[JudgedMap]) -> Table:
     compared = any(judged.comparison and judged.comparison.differences for judged in maps)
     columns = _CHECK_COLUMNS + (_DIFFERENCE_COLUMNS if compared else ())
-    return {
-        "columns": [label_of(name) for name in columns],
-        "rows": [
-            OverviewRow(
-                name=judged.item.name,
-                anchor=shown[judged.item.name].anchor,
-                verdict=str(judged.verdict),
-                cells=tuple(_cell(judged, name) for name in columns),
-                license=shown[judged.item.name].license,
+    return Table(
+        title="All maps",
+        columns=(
+            Column(label="Map"),
+            Column(label="Checks"),
+            *(Column(label=words_of(name), numeric=True) for name in columns),
+            Column(label="License"),
+        ),
+        rows=tuple(
+            (
+                Cell(text=judged.item.name, link=judged.item.name),
+                Cell(badge=words.verdict_badge(str(judged.verdict))),
+                *(_cell(judged, name) for name in columns),
+                Cell(text=judged.capture.license.id if judged.capture else "unknown"),
             )
             for judged in maps
-        ],
-        "note": "Irradiance error and light direction are against the reference of the same name."
+        ),
+        sortable=len(maps) > 1,
+        note="Irradiance error and light direction are against the reference of the same name."
         if compared
         else "",
-    }
+    )
 
 
 def _cell(judged: JudgedMap, name: str) -> Cell:
@@ -184,22 +210,22 @@ def _cell(judged: JudgedMap, name: str) -> Cell:
     figures = {check.name: (check.value, check.unit) for check in checks}
     figures |= {difference.name: (difference.value, difference.unit) for difference in differences}
     value, unit = figures.get(name, (None, ""))
-    return Cell(text=format_figure(value, unit), grade=grade_of(name, value))
+    badge = words.grade_badge(name, value)
+    return Cell(text=format_figure(value, unit), badge=badge, sort=value)
 
 
-def _legend_ticks() -> list[str]:
-    stops = range(pictures.LOWEST_STOP, pictures.HIGHEST_STOP + 1, 4)
-    return [f"{'+' if s > 0 else '−' if s < 0 else ''}{abs(s)}" for s in stops]
-
-
-def _method(result: QaResult) -> str:
-    words = [
-        "Brackets start at the camera's own exposure where the map is anchored to it, else "
-        "where the median is middle gray. Balls are seen from the south, looking north."
+def _method(result: QaResult) -> tuple[str, ...]:
+    said = [
+        "Exposure starts at the camera's own where a map is anchored to it, else where its median "
+        "is middle gray. Balls stand where the camera stood and are seen from the south, looking "
+        "north; the white ball has an exposure of its own, just below white on its lit side. "
+        "False color is luminance in stops from the median of the map.",
+        "Maps in this page are smaller than their files, with the same energy; each value is "
+        "right to 1 in 256.",
     ]
     if result.reference_names:
-        words.append(f"The reference set has {len(result.reference_names)} maps.")
+        said.append(f"The reference set has {len(result.reference_names)} maps.")
     if result.skipped_references:
         names = ", ".join(skipped.item for skipped in result.skipped_references)
-        words.append(f"Reference files that could not be read: {names}.")
-    return " ".join(words)
+        said.append(f"Reference files that could not be read: {names}.")
+    return tuple(said)
