@@ -1,8 +1,9 @@
 """Blender: the same pixels, as RGBA from the bottom row up.
 
 An equirectangular environment texture has +Z up and +X at its center: with d of panokit,
-(-z, -x, y). In a scene whose north is +Y, turn the texture by 90 degrees about Z (the Z
-rotation of a Mapping node) for panokit's north, the center, to lie there.
+(-z, -x, y). In a scene whose north is +Y, set the Z rotation of a Mapping node before the texture
+to -90 degrees (it turns the direction that is looked up) for panokit's north, the center, to lie
+there; the script of `blender_world_script` does so.
 """
 
 from typing import Any

@@ -7,7 +7,8 @@ In the scene north is +Y, east +X and up +Z. The script keeps to what Blender ha
 from panokit.errors import UsageError
 from panokit.io.adapters.analytic_sun import AnalyticSun
 
-# An environment texture has +X at its center; the Mapping node looks from there at north, +Y.
+# An environment texture has +X at its center. The Mapping node turns the direction looked up, so
+# that +Y, north, becomes +X.
 _SCRIPT = '''"""Lights the open scene with {texture}.
 
 Run it inside Blender: open it in the Text Editor and press Run Script, or on the command line
@@ -52,7 +53,7 @@ def light_scene(scene):
     nodes.clear()
     coordinates = nodes.new("ShaderNodeTexCoord")
     mapping = nodes.new("ShaderNodeMapping")
-    mapping.inputs["Rotation"].default_value = (0, 0, radians(90))
+    mapping.inputs["Rotation"].default_value = (0, 0, radians(-90))
     texture = nodes.new("ShaderNodeTexEnvironment")
     texture.image = image
     texture.projection = "EQUIRECTANGULAR"

@@ -141,8 +141,10 @@ def _fit(
 
 
 def _faces(radiance: NDArray[np.float32], size_px: int) -> list[NDArray[np.float32]]:
-    row, _ = reproject(radiance, Equirectangular(), Cubemap(layout="row"), 6 * size_px)
-    faces = split_faces(row, "row")
+    """The faces in the file's order, made twice as wide first: small lights keep their energy."""
+    row, _ = reproject(radiance, Equirectangular(), Cubemap(layout="row"), 12 * size_px)
+    half = cv2.resize(row, (6 * size_px, size_px), interpolation=cv2.INTER_AREA)
+    faces = split_faces(half, "row")
     return [np.rot90(faces[face], turns) for face, turns in _FACES]
 
 

@@ -182,7 +182,7 @@ def test_a_dome_light_turns_the_center_to_the_front():
     assert "inputs:intensity = 2.5" in text
     # USD's texture center is +Z; half a turn about Y makes it -Z, panokit's forward.
     assert "xformOp:rotateXYZ = (0, 180, 0)" in text
-    assert text.count("{") == text.count("}") == 1
+    assert text.count("{") == text.count("}") == 2
     for path in ("", "a@b.exr", "a\nb.exr"):
         with pytest.raises(UsageError):
             usd_dome_light(path)
