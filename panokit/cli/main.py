@@ -50,6 +50,14 @@ _GROUPS = {
             "pull": ("pull:pull", "Pull HDR maps of Poly Haven (CC0)"),
         },
     ),
+    "dataset": (
+        "Stereo samples of unknown objects in known light",
+        {
+            "render": ("dataset:render", "Render samples lit by the probes of a library"),
+            "preview": ("dataset:preview", "A sheet of samples to look at"),
+            "verify": ("dataset:verify", "Check every file of every sample, and the splits"),
+        },
+    ),
     "evaluate": (
         "How good methods are, on data that they have not seen",
         {"expansion": ("evaluate:expansion", "The light recovered from clipped panoramas")},

@@ -15,11 +15,13 @@ from panokit.dataset.index import index_shards, indexed_digest, shards_digest, w
 from panokit.dataset.layout import LOCK, DatasetFolder, plan_shards
 from panokit.dataset.losses import LossPolicy
 from panokit.dataset.maker import SampleMaker
+from panokit.dataset.production import ProductionSettings
 from panokit.dataset.progress import Progress
 from panokit.dataset.sample import sample_key
 from panokit.dataset.shard_task import STAGE, ShardItem, ShardTask, shard_key
 from panokit.dataset.spool import Spool
 from panokit.engine import Engine, LocalEngine, SerialEngine
+from panokit.errors import SettingsError
 from panokit.io.files import read_json
 from panokit.io.lock import only_process
 from panokit.records import RunFolder, is_complete
@@ -59,15 +61,10 @@ class RenderResult:
 def render_dataset(
     maker: SampleMaker,
     out: Path,
-    count: int,
-    *,
-    shard_samples: int | None = None,
-    workers: int | None = None,
-    timeout_s: float = 300.0,
-    retry_missing: bool = False,
+    production: ProductionSettings,
     console: Console | None = None,
 ) -> RenderResult:
-    """Make samples 0 to count - 1 as shards with an index and a card.
+    """Make samples 0 to `production.count` - 1 as shards with an index and a card.
 
     What is there already is kept, so a run that was stopped, however that happened, goes on
     where it was; its shards are the same byte for byte.
@@ -75,12 +72,7 @@ def render_dataset(
     Args:
         maker: Makes the samples.
         out: The dataset's folder.
-        count: How many samples; may grow from run to run.
-        shard_samples: How many samples a shard holds; if not given, what it is in the folder
-            already, or else 16 to 250 by the count.
-        workers: Processes; one for each core if not given, none but this one if 0.
-        timeout_s: A worker that takes longer over one attempt is replaced.
-        retry_missing: Try samples again that could not be made in an earlier run.
+        production: How many samples, in how many processes.
         console: Says how it goes.
 
     Raises:
@@ -91,11 +83,11 @@ def render_dataset(
     """
     folder = DatasetFolder(Path(out))
     console = console or Console(quiet=True)
+    count = wanted_count(production)
     with only_process(folder.root, LOCK, "rendering into"):
         run = RunFolder(folder.root).create()
         run.remove_leftovers()
-        if shard_samples is None:
-            shard_samples = _shard_samples(folder, count)
+        shard_samples = production.shard_samples or choose_shard_samples(folder, count)
         wanted = describe(maker, count, shard_samples)
         check_and_write(folder, wanted)
         items = [
@@ -106,8 +98,7 @@ def render_dataset(
             )
             for plan in plan_shards(maker.split_of, count, shard_samples)
         ]
-        spool = Spool(folder.work, wanted["key"])
-        waiting = [item for item in items if not _is_done(item, retry_missing)]
+        waiting = [item for item in items if not _is_done(item, production.retry_missing)]
         spool = Spool(folder.work / "samples", wanted["key"])
         _sort_out(spool, items, waiting)
         kept = spool.kept()
@@ -119,7 +110,7 @@ def render_dataset(
         with console.stage(STAGE, left, unit="samples") as tick:
             progress = Progress(failures=folder.failures, seed_of=maker.seed_of, tick=tick)
             task = ShardTask(maker=maker, spool=spool)
-            engine = _engine(workers, timeout_s, shard_samples, progress, run)
+            engine = _engine(production, shard_samples, progress, run)
             for outcome in engine.run(task, waiting):
                 run.log("shard", shard=outcome.item)
         result = _result(folder, items, progress, time.monotonic() - started)
@@ -151,7 +142,19 @@ def finish(folder: DatasetFolder) -> None:
     write_index(table, folder.index)
 
 
-def _shard_samples(folder: DatasetFolder, count: int) -> int:
+def wanted_count(production: ProductionSettings) -> int:
+    """How many samples there are to be.
+
+    Raises:
+        SettingsError: If nobody said.
+    """
+    if production.count is None:
+        raise SettingsError("How many samples? Give --count N, or count in the settings' file.")
+    return production.count
+
+
+def choose_shard_samples(folder: DatasetFolder, count: int) -> int:
+    """How many samples a shard holds: as in the folder already, or else by the count."""
     if folder.description.exists():
         return int(read_description(folder.root)["shard_samples"])
     return min(MOST_SHARD_SAMPLES, max(_FEWEST_SHARD_SAMPLES, count // _WANTED_SHARDS))
@@ -177,16 +180,16 @@ def _sort_out(spool: Spool, items: list[ShardItem], waiting: list[ShardItem]) ->
 
 
 def _engine(
-    workers: int | None, timeout_s: float, shard_samples: int, progress: Progress, run: RunFolder
+    production: ProductionSettings, shard_samples: int, progress: Progress, run: RunFolder
 ) -> Engine:
-    if workers == 0:
+    if production.workers == 0:
         return SerialEngine(on_report=progress.hear)
     return LocalEngine(
-        workers,
+        production.workers,
         items_per_worker=max(1, _SAMPLES_PER_WORKER // shard_samples),
-        silence_s=timeout_s,
+        silence_s=production.timeout_s,
         on_report=progress.hear,
-        on_loss=LossPolicy(progress, run, timeout_s),
+        on_loss=LossPolicy(progress, run, production.timeout_s),
     )
 
 

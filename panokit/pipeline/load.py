@@ -33,17 +33,27 @@ def load_settings(
         SettingsError: If the file is not TOML, or a key or value is wrong; one line, with
             the line number where there is one.
     """
+    table, text = read_table(path)
+    for override in overrides:
+        _override(table, override)
+    return validated(table, kind, str(path), text)
+
+
+def read_table(path: Path) -> tuple[dict[str, Any], str]:
+    """A TOML file's values and its text.
+
+    Raises:
+        SettingsError: If it is not TOML.
+        StorageError: If it cannot be read.
+    """
     data = read_bytes(path)
     try:
         text = data.decode()
-        table = tomllib.loads(text)
+        return tomllib.loads(text), text
     except UnicodeDecodeError as error:
         raise SettingsError(f"{path} is not a TOML file: it is not text.") from error
     except tomllib.TOMLDecodeError as error:
         raise SettingsError(f"{path} is not a TOML file: {error}.") from error
-    for override in overrides:
-        _override(table, override)
-    return validated(table, kind, str(path), text)
 
 
 def validated(
