@@ -23,11 +23,14 @@ from panokit.qa.sets.store import DETAIL_WIDTH_PX, Description
 # the whole sphere or 0.52 over a half; copies through a camera's clipping and JPEG have 0.5 to 1.
 COPY = 0.5
 HALF = 0.65
+# What the other half has less than where only one half is shared.
+_OTHER_HALF = 0.3
 # A featureless map has no detail to be known by.
 _LEAST_DETAIL_STOPS = 0.004
 _CANDIDATES = 12
 _TURNS = 4 * DETAIL_WIDTH_PX
 _SAME_PLACE_M = 10.0
+_MIDDLE = DETAIL_WIDTH_PX // 4
 
 
 class Likeness(StrEnum):
@@ -37,6 +40,13 @@ class Likeness(StrEnum):
     UPPER = "same sky"
     LOWER = "same ground"
     PLACE = "same place"
+
+
+_PARTS = {
+    Likeness.COPY: slice(None),
+    Likeness.UPPER: slice(None, _MIDDLE),
+    Likeness.LOWER: slice(_MIDDLE, None),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,29 +123,42 @@ def _candidates(
 
 def _same_scene(first: NDArray[np.float32], second: NDArray[np.float32]) -> dict[str, Any] | None:
     """What two maps share, judged by their detail; None if nothing."""
-    best: dict[str, Any] | None = None
-    middle = len(first) // 2
+    found = []
     for mirrored in (False, True):
         other = second[:, ::-1] if mirrored else second
-        for likeness, rows, least in (
-            (Likeness.COPY, slice(None), COPY),
-            (Likeness.UPPER, slice(None, middle), HALF),
-            (Likeness.LOWER, slice(middle, None), HALF),
-        ):
-            a, b = np.zeros_like(first), np.zeros_like(first)
-            a[rows], b[rows] = first[rows], other[rows]
-            if min(float(a.std()), float(b.std())) < _LEAST_DETAIL_STOPS:
-                continue
-            fit = align(a[None], b[None], _TURNS)
-            correlation = float(fit.correlation[0, 0])
-            if correlation >= least and (best is None or correlation > best["correlation"]):
-                yaw = (float(np.degrees(fit.yaw[0, 0])) + 180) % 360 - 180
-                best = {
-                    "likeness": likeness,
-                    "correlation": correlation,
-                    "yaw_deg": yaw,
-                    "mirrored": mirrored,
-                }
-            if best is not None and best["likeness"] is Likeness.COPY:
-                break
-    return best
+        fits = {part: _fit(first, other, rows) for part, rows in _PARTS.items()}
+        likeness = _likeness({part: fit[0] for part, fit in fits.items()})
+        if likeness is not None:
+            correlation, yaw_deg = fits[likeness]
+            found.append((correlation, likeness, yaw_deg, mirrored))
+    if not found:
+        return None
+    correlation, likeness, yaw_deg, mirrored = max(found, key=lambda fit: fit[0])
+    return {
+        "likeness": likeness,
+        "correlation": correlation,
+        "yaw_deg": yaw_deg,
+        "mirrored": mirrored,
+    }
+
+
+def _likeness(correlations: dict[Likeness, float | None]) -> Likeness | None:
+    upper, lower = correlations[Likeness.UPPER], correlations[Likeness.LOWER]
+    for part, this, other in ((Likeness.UPPER, upper, lower), (Likeness.LOWER, lower, upper)):
+        if (this or 0) >= HALF and other is not None and other < _OTHER_HALF:
+            return part
+    whole = correlations[Likeness.COPY]
+    return Likeness.COPY if whole is not None and whole >= COPY else None
+
+
+def _fit(
+    first: NDArray[np.float32], second: NDArray[np.float32], rows: slice
+) -> tuple[float | None, float]:
+    """The correlation of some rows at the best yaw, and that yaw; None where there is no detail."""
+    a, b = np.zeros_like(first), np.zeros_like(first)
+    a[rows], b[rows] = first[rows], second[rows]
+    if min(float(a[rows].std()), float(b[rows].std())) < _LEAST_DETAIL_STOPS:
+        return None, 0.0
+    fit = align(a[None], b[None], _TURNS)
+    yaw_deg = (float(np.degrees(fit.yaw[0, 0])) + 180) % 360 - 180
+    return float(fit.correlation[0, 0]), yaw_deg

@@ -91,7 +91,7 @@ class Description:
         detail = _numbers(record["detail"], np.dtype(np.int8), DETAIL_WIDTH_PX)
         return cls(
             digest=str(record["digest"]),
-            values=dict(record["values"]),
+            values={d.name: record["values"][d.name] for d in DESCRIPTORS},
             light_class=LightClass(record["class"]),
             power=np.asarray(record["power"], np.float64),
             signature=np.asarray(record["signature"], np.float64),
