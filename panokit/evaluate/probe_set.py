@@ -49,8 +49,8 @@ class ListedProbe:
         return np.ascontiguousarray(resize_radiance(radiance, PROBE_WIDTH_PX))
 
 
-def read_probes(folder: Path) -> list[ListedProbe]:
-    """The probes of `folder`/manifest.csv whose `usable_for` is "training", by name.
+def read_probes(folder: Path, usable_for: str = "training") -> list[ListedProbe]:
+    """The probes of `folder`/manifest.csv whose `usable_for` begins so, by name.
 
     Raises:
         StorageError: If there is no manifest.
@@ -72,12 +72,12 @@ def read_probes(folder: Path) -> list[ListedProbe]:
                 sha256=row["sha256"],
             )
             for row in rows
-            if row["usable_for"] == "training"
+            if row["usable_for"].startswith(usable_for)
         ]
     except KeyError as error:
         raise RecordError(f"{manifest} has no column {error}.", reason="bad-manifest") from error
     if not probes:
-        raise RecordError(f"{manifest} lists no probe for training.", reason="no-probes")
+        raise RecordError(f"{manifest} lists no probe for {usable_for}.", reason="no-probes")
     return sorted(probes, key=lambda probe: probe.name)
 
 

@@ -18,14 +18,21 @@ from panokit.color import luminance
 from panokit.color.camera import Camera, photograph
 from panokit.color.luminance import weighted_percentile
 from panokit.expand.component_features import COMPONENT_FEATURES, component_features
-from panokit.expand.components import MOST_COMPONENTS, Components, find_components
+from panokit.expand.components import (
+    MOST_COMPONENTS,
+    Components,
+    find_components,
+    sum_by_component,
+)
 from panokit.expand.features import GRID_HEIGHT_PX, GRID_WIDTH_PX, grid_features
 from panokit.expand.reduce import reduce_panorama
+from panokit.frames import Rotation
 from panokit.io.files import atomic_write
-from panokit.sphere import resize_radiance, row_solid_angles
+from panokit.sphere import resize_radiance, rotate_radiance, row_solid_angles
 from panokit.train.normals import NORMALS, irradiance_matrix
 from panokit.train.probes import FOLDS, TrainingProbe, assign_folds
 from panokit.train.recipe import DataRecipe
+from panokit.train.sources import NOWHERE, Source, probe_sources
 
 # Wider than the test cameras: half the pictures are sRGB, half have a sigmoid response.
 TRAINING_CAMERA = Camera(
@@ -52,6 +59,8 @@ DAYLIGHT = (
     "sky_only",
 )
 SUN_GAIN, SUN_SHARE = 8.0, 0.1
+# Of the brightest value of a clipped map; from here on it may have been brighter.
+CEILING = 0.98
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -59,7 +68,7 @@ class Examples:
     """N pictures with their truth; radiances in units of the clip level.
 
     Attributes:
-        probe: (N,) int, the index of the probe.
+        probe: (N,) int, the index of the probe whose place it shows, or `NOWHERE`.
         grid: (N, 16, 64, 128) float16, the gain network's input.
         clear: (N, 3, 64, 128) float16, log of the true radiance where nothing is burnt out.
         burnt: (N, 3, 64, 128) float16, log of the true radiance of what is burnt out.
@@ -72,6 +81,10 @@ class Examples:
         sun: (N, K) float32, 1 where a component is the sun: in a daylight scene the one with
             the most light, if the picture shows less than an eighth of it and it is a tenth
             of all.
+        ceiling: (N, 64, 128) float16, how much of a cell is at the ceiling of a map whose
+            brightest light is clipped: its true light is a lower bound there. 0 elsewhere.
+        lower: (N, K) float32, 1 where a component's true energy is a lower bound for that reason.
+        weight: (N,) float32, how often a picture is drawn beside the others.
     """
 
     probe: NDArray[np.int64]
@@ -85,23 +98,57 @@ class Examples:
     vector: NDArray[np.float32]
     rest: NDArray[np.float32]
     sun: NDArray[np.float32]
+    ceiling: NDArray[np.float16]
+    lower: NDArray[np.float32]
+    weight: NDArray[np.float32]
 
     def of_probes(self, probes: NDArray[np.int64]) -> "Examples":
-        """Only the pictures of these probes."""
-        keep = np.isin(self.probe, probes)
-        return Examples(**{name: getattr(self, name)[keep] for name in self.__slots__})
+        """Only the pictures of these probes' places, and those of no place."""
+        return self.at(np.flatnonzero(np.isin(self.probe, probes) | (self.probe == NOWHERE)))
+
+    def at(self, numbers: NDArray[np.int64]) -> "Examples":
+        """Only the pictures with these numbers."""
+        return Examples(**{name: getattr(self, name)[numbers] for name in self.__slots__})
+
+    def draw(self, count: int, random: np.random.Generator) -> NDArray[np.int64]:
+        """The numbers of `count` pictures, drawn by weight, with repetition."""
+        if self.weight.min() == self.weight.max():
+            return random.integers(len(self.weight), size=count)
+        odds = self.weight.astype(np.float64)
+        return random.choice(len(odds), size=count, p=odds / odds.sum())
 
 
 def make_examples(
-    probes: Sequence[TrainingProbe], recipe: DataRecipe, *, processes: int = 1
+    probes: Sequence[TrainingProbe],
+    recipe: DataRecipe,
+    *,
+    others: Sequence[Source] = (),
+    processes: int = 1,
 ) -> Examples:
-    """Photograph every probe; the same recipe gives the same examples."""
-    work = partial(_examples_of_probe, probes=list(probes), recipe=recipe)
+    """Photograph every map; the same recipe gives the same examples.
+
+    Args:
+        probes: To learn from, and to judge on in other folds.
+        recipe: Which pictures to take.
+        others: Of `panokit.train.sources.other_sources`.
+        processes: To work in.
+    """
+    sources = [*probe_sources(probes), *others]
+    work = partial(_examples_of, sources=sources, probes=list(probes), recipe=recipe)
     if processes == 1:
-        parts = [work(index) for index in range(len(probes))]
+        parts = [work(index) for index in range(len(sources))]
     else:
         with ProcessPoolExecutor(processes) as pool:
-            parts = list(pool.map(work, range(len(probes))))
+            parts = list(pool.map(work, range(len(sources))))
+    synthetic = sum(len(p["probe"]) for p, s in zip(parts, sources, strict=True)
+                    if s.kind == "synthetic")  # fmt: skip
+    captured = sum(len(part["probe"]) for part in parts) - synthetic
+    for part, source in zip(parts, sources, strict=True):
+        weight = 1.0
+        if source.kind == "synthetic" and recipe.synthetic is not None:
+            share = recipe.synthetic.share
+            weight = share / (1 - share) * captured / synthetic
+        part["weight"] = np.full(len(part["probe"]), weight, np.float32)
     names = Examples.__slots__
     return Examples(**{name: np.concatenate([part[name] for part in parts]) for name in names})
 
@@ -118,24 +165,48 @@ def load_examples(path: Path) -> Examples:
         return Examples(**{name: arrays[name] for name in Examples.__slots__})
 
 
-def _examples_of_probe(
-    index: int, probes: list[TrainingProbe], recipe: DataRecipe
+def _examples_of(
+    index: int, sources: list[Source], probes: list[TrainingProbe], recipe: DataRecipe
 ) -> dict[str, NDArray]:
     cv2.setNumThreads(1)
-    radiance = probes[index].radiance()
+    source = sources[index]
+    radiance = source.radiance()
+    ceiling = _at_ceiling(radiance) if source.kind == "bound" else None
     first = (recipe.seed * 1000 + index) * 1000
-    shots = recipe.shots_per_probe
-    rows = [
-        _example(radiance, TRAINING_CAMERA if k < shots else WIDE_CAMERA, first + k)
-        for k in range(shots + recipe.wide_per_probe)
-    ]
-    for k in range(recipe.mixed_per_probe):
+    shots, wide, mixed = recipe.shots_per_probe, recipe.wide_per_probe, recipe.mixed_per_probe
+    if source.kind == "synthetic" and recipe.synthetic is not None:
+        shots, wide, mixed = recipe.synthetic.shots_per_map, 0, 0
+    rows = []
+    for k in range(shots + wide):
+        camera = TRAINING_CAMERA if k < shots else WIDE_CAMERA
+        turned = _tilted([radiance, ceiling], recipe.tilt_deg, first + k)
+        rows.append(_example(turned[0], camera, first + k, turned[1]))
+    for k in range(mixed if source.kind == "probe" else 0):
         camera = WIDE_CAMERA if k % MIXED_PER_WIDE == MIXED_PER_WIDE - 1 else TRAINING_CAMERA
         rows.append(_example(_mixed(index, probes, k), camera, 500_000 + first + k))
     arrays = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
-    if probes[index].category not in DAYLIGHT:
+    if source.map.category not in DAYLIGHT:
         arrays["sun"][:] = 0
-    return {"probe": np.full(len(rows), index), **arrays}
+    return {"probe": np.full(len(rows), source.place), **arrays}
+
+
+def _at_ceiling(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
+    """1 where a map is as bright as it can be, in whatever channel, (H, W, 1) float32."""
+    highest = radiance.max(axis=2, keepdims=True)
+    return (highest >= CEILING * highest.max()).astype(np.float32)
+
+
+def _tilted(
+    maps: list[NDArray[np.float32] | None], limit_deg: float, seed: int
+) -> list[NDArray[np.float32] | None]:
+    """Maps tilted alike about a random level axis, with their energy kept."""
+    if limit_deg <= 0:
+        return maps
+    random = np.random.default_rng([seed, 0x74696C74])
+    azimuth = random.uniform(-np.pi, np.pi)
+    axis = [np.cos(azimuth), 0.0, np.sin(azimuth)]
+    turn = Rotation.about_axis(axis, np.radians(random.uniform(-limit_deg, limit_deg)))
+    return [None if each is None else rotate_radiance(each, turn) for each in maps]
 
 
 def _mixed(index: int, probes: list[TrainingProbe], number: int) -> NDArray[np.float32]:
@@ -158,7 +229,12 @@ def _leveled(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
     return radiance / np.float32(weighted_percentile(light, area, 90))
 
 
-def _example(radiance: NDArray[np.float32], camera: Camera, seed: int) -> dict[str, NDArray]:
+def _example(
+    radiance: NDArray[np.float32],
+    camera: Camera,
+    seed: int,
+    ceiling: NDArray[np.float32] | None = None,
+) -> dict[str, NDArray]:
     shot = photograph(radiance, camera, seed=seed)
     truth = radiance * np.float32(shot.exposure)
     reduced = reduce_panorama(shot.pixels, radiance.shape[1])
@@ -174,6 +250,12 @@ def _example(radiance: NDArray[np.float32], camera: Camera, seed: int) -> dict[s
     unit = shown / np.maximum(ldr_energy[:, None], 1e-9)
     strongest = energy == energy.max()
     sun = strongest & (energy > SUN_GAIN * ldr_energy) & (energy > SUN_SHARE * light[:, -1].sum())
+    bound = np.zeros((GRID_HEIGHT_PX, GRID_WIDTH_PX), np.float16)
+    lower = np.zeros(MOST_COMPONENTS, np.float32)
+    if ceiling is not None:
+        bound = resize_radiance(ceiling, GRID_WIDTH_PX)[..., 0].astype(np.float16)
+        reached = sum_by_component(ceiling[..., 0], components)
+        lower[: len(reached)] = reached > 0.5
     return {
         "grid": grid.astype(np.float16),
         "clear": logs[:3],
@@ -185,6 +267,8 @@ def _example(radiance: NDArray[np.float32], camera: Camera, seed: int) -> dict[s
         "vector": unit[:, NORMALS : NORMALS + 3],
         "rest": light[0],
         "sun": (sun & (ldr_energy > 0)).astype(np.float32),
+        "ceiling": bound,
+        "lower": lower,
     }
 
 

@@ -23,8 +23,10 @@ from panokit.io.files import atomic_write, write_json
 from panokit.networks.expandnet import ExpandNet, expandnet_loss
 from panokit.train.examples import TRAINING_CAMERA
 from panokit.train.expandnet_recipe import ExpandNetRecipe, read_expandnet_recipe
+from panokit.train.history import NOTE_EVERY, History
 from panokit.train.probes import check_rights
 from panokit.train.release import export
+from panokit.train.team import ALONE, Team
 
 CHECKPOINT_EVERY = 100
 PARITY = 1e-5
@@ -47,7 +49,12 @@ class PhotographedProbe:
 
 
 def train_expandnet(
-    recipe_path: Path, probes_folder: Path, work: Path, *, own_right: str = ""
+    recipe_path: Path,
+    probes_folder: Path,
+    work: Path,
+    *,
+    own_right: str = "",
+    team: Team = ALONE,
 ) -> Path:
     """Train the recipe and write `expandnet.onnx` and `training.json` beside it.
 
@@ -56,8 +63,9 @@ def train_expandnet(
     Args:
         recipe_path: models/<id>/expandnet.toml.
         probes_folder: With a manifest.csv.
-        work: For the checkpoint.
+        work: For the checkpoint and the history.
         own_right: What gives the right to train with probes whose license does not.
+        team: That trains it, see `panokit.train.team.team_of`; its first process writes.
 
     Returns:
         The ONNX file.
@@ -67,7 +75,10 @@ def train_expandnet(
     """
     recipe = read_expandnet_recipe(recipe_path)
     probes = read_probes(probes_folder)
-    return train_without(recipe, probes, recipe_path.parent, work, own_right=own_right)
+    checkpoints = work / "checkpoints" / f"{recipe.id}-{recipe.digest[:12]}"
+    return train_without(
+        recipe, probes, recipe_path.parent, checkpoints, own_right=own_right, team=team
+    )
 
 
 def train_without(
@@ -77,6 +88,7 @@ def train_without(
     work: Path,
     *,
     own_right: str = "",
+    team: Team = ALONE,
 ) -> Path:
     """Train a recipe on all folds but the one that it holds out.
 
@@ -84,8 +96,9 @@ def train_without(
         recipe: What to train.
         probes: All of them.
         folder: Where `expandnet.onnx` and, last, `training.json` go.
-        work: For the checkpoint.
+        work: For the checkpoint and the history.
         own_right: See `train_expandnet`.
+        team: See `train_expandnet`.
 
     Returns:
         The ONNX file.
@@ -98,12 +111,13 @@ def train_without(
     check_rights(known, own_right)
     photographed = [_photographed(probe, recipe, i) for i, probe in enumerate(known)]
     work.mkdir(parents=True, exist_ok=True)
-    network, losses = fit_expandnet(
-        photographed, recipe, checkpoint=work / f"expandnet-{recipe.digest[:12]}.pt"
-    )
+    checkpoint = work / "expandnet.pt"
+    network, losses = fit_expandnet(photographed, recipe, checkpoint=checkpoint, team=team)
     path = folder / MODEL_FILE
-    export_expandnet(network, path)
-    write_json(folder / "training.json", training_record(recipe, known, losses))
+    if team.leads:
+        export_expandnet(network, path)
+        write_json(folder / "training.json", training_record(recipe, known, losses))
+    team.wait()
     return path
 
 
@@ -112,6 +126,7 @@ def fit_expandnet(
     recipe: ExpandNetRecipe,
     *,
     checkpoint: Path | None = None,
+    team: Team = ALONE,
 ) -> tuple[ExpandNet, list[float]]:
     """Train the network; the random choices of a step depend on (seed, step) alone.
 
@@ -122,38 +137,47 @@ def fit_expandnet(
         ModelError: If training diverged.
     """
     torch.manual_seed(recipe.seed)
-    network = ExpandNet()
+    network = ExpandNet().to(team.device)
     optimizer = torch.optim.Adam(network.parameters(), lr=recipe.learning_rate)
     step, losses, recent = 0, [], []
     if checkpoint is not None and checkpoint.exists():
-        state = torch.load(checkpoint, weights_only=True)
+        state = torch.load(checkpoint, weights_only=True, map_location="cpu")
         network.load_state_dict(state["network"])
         optimizer.load_state_dict(state["optimizer"])
         step, losses = state["step"], state["losses"]
+    writes = checkpoint is not None and team.leads
+    history = History(checkpoint.parent if writes and checkpoint else None, "expandnet", step)
     network.train()
     while step < recipe.steps:
         random = np.random.default_rng([recipe.seed, step])
         crops = [cut_crop(probes[int(random.integers(len(probes)))], recipe, random)
                  for _ in range(recipe.batch)]  # fmt: skip
-        pictures, truths = (torch.from_numpy(np.stack(x)) for x in zip(*crops, strict=True))
+        crops = [crops[i] for i in team.part(np.arange(recipe.batch))]
+        pictures, truths = (
+            torch.from_numpy(np.stack(x)).to(team.device) for x in zip(*crops, strict=True)
+        )
         # bfloat16 halves the time of a step on processors that have it; the loss stays exact.
-        with torch.autocast("cpu", dtype=torch.bfloat16):
+        with team.autocast(recipe.precision):
             light = network(pictures)
         loss = expandnet_loss(light.float(), truths)
         optimizer.zero_grad(set_to_none=True)
         loss.backward()
+        team.average_gradients(network)
         optimizer.step()
         step += 1
         recent.append(float(loss.detach()))
+        if step % NOTE_EVERY == 0 or step == recipe.steps:
+            history.note(step, {"loss": recent[-1]}, recipe.learning_rate)
         if step % CHECKPOINT_EVERY == 0 or step == recipe.steps:
             if not np.isfinite(recent).all():
                 raise ModelError("ExpandNet diverged. Lower the recipe's learning rate.")
             losses.append(round(float(np.mean(recent)), 5))
             logger.info("expandnet step %d loss %.4f", step, losses[-1])
             recent = []
-            if checkpoint is not None:
+            if writes and checkpoint is not None:
                 _save(checkpoint, network, optimizer, step, losses)
-    return network.eval(), losses
+    history.close()
+    return network.cpu().eval(), losses
 
 
 def cut_crop(

@@ -1,17 +1,20 @@
 """The recipe of an ExpandNet: what decides its weights."""
 
-import tomllib
 from pathlib import Path
+from typing import Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from panokit.errors import SettingsError
-from panokit.io.files import read_bytes
+from panokit.provenance import digest_of
 from panokit.settings import Settings
+from panokit.train.recipe import Precision, read_table, validated
 
 
 class ExpandNetRecipe(Settings):
     """ExpandNet's architecture and loss, trained on crops of photographed probes."""
+
+    architecture: Literal["expandnet"]
+    """Says that this is a recipe of ExpandNet."""
 
     id: str
     """Of the model; its folder has this name."""
@@ -46,6 +49,14 @@ class ExpandNetRecipe(Settings):
     seed: int = 0
     """Of the weights, the pictures and the crops."""
 
+    precision: Precision = "auto"
+    """As in `panokit.train.recipe.NetworkRecipe`."""
+
+    @property
+    def digest(self) -> str:
+        """See `panokit.train.recipe`: what is at its default does not count."""
+        return digest_of(self.model_dump(mode="json", exclude_defaults=True))
+
 
 def read_expandnet_recipe(path: Path) -> ExpandNetRecipe:
     """The recipe in a TOML file.
@@ -54,11 +65,4 @@ def read_expandnet_recipe(path: Path) -> ExpandNetRecipe:
         StorageError: If the file cannot be read.
         SettingsError: If it is not TOML, or holds a key or value that a recipe has not.
     """
-    try:
-        return ExpandNetRecipe.model_validate(tomllib.loads(read_bytes(path).decode()))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SettingsError(f"{path} is not valid TOML: {error}.") from error
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise SettingsError(f"{path}: {place}: {first['msg']}.") from error
+    return validated(ExpandNetRecipe, read_table(path), path)

@@ -21,7 +21,8 @@ from panokit.train.expandnet_recipe import read_expandnet_recipe
 from panokit.train.probes import FOLDS, TrainingProbe, assign_folds, check_rights, read_probes
 from panokit.train.recipe import Recipe, read_recipe
 from panokit.train.release import release
-from panokit.train.stage import cached_examples, component_examples
+from panokit.train.stage import recipe_examples
+from panokit.train.team import ALONE, Team
 
 logger = logging.getLogger(__name__)
 
@@ -34,6 +35,7 @@ def train_folds(
     fold_members: int | None = None,
     processes: int = 2,
     own_right: str = "",
+    team: Team = ALONE,
 ) -> Path:
     """Train a recipe once for each fold, on the probes of the other folds.
 
@@ -45,6 +47,7 @@ def train_folds(
             Fewer make the experiment cheaper and its scores a little worse.
         processes: For making the examples.
         own_right: What gives the right to train with probes whose license does not.
+        team: That trains them, see `panokit.train.team.team_of`; its first process writes.
 
     Returns:
         work/<id>/fold-{fold}, to give to `panokit evaluate expansion --model`.
@@ -64,8 +67,9 @@ def train_folds(
     records = {fold: fold_record(recipe, probes, folds != fold) for fold in folders}
     missing = [fold for fold in folders if not _is_done(folders[fold], records[fold])]
     if missing:
-        examples = cached_examples(probes, recipe.data, work, processes=processes)
-        own = component_examples(probes, recipe, work, processes)
+        examples, own = recipe_examples(
+            recipe, probes, probes_folder, work, processes=processes, own_right=own_right, team=team
+        )
     for fold in missing:
         known = np.flatnonzero(folds != fold)
         network = train_ensemble(
@@ -73,15 +77,23 @@ def train_folds(
             recipe,
             work / "checkpoints" / f"{recipe.id}-{recipe.digest[:12]}-fold-{fold}",
             component_examples=_of(own, known),
+            team=team,
         )
-        release(recipe, network, folders[fold])
-        write_json(folders[fold] / TRAINING_RECORD, records[fold])
+        if team.leads:
+            release(recipe, network, folders[fold])
+            write_json(folders[fold] / TRAINING_RECORD, records[fold])
+        team.wait()
         logger.info("fold %d of %d trained", fold + 1, FOLDS)
     return work / recipe.id / "fold-{fold}"
 
 
 def train_expandnet_folds(
-    recipe_path: Path, probes_folder: Path, work: Path, *, own_right: str = ""
+    recipe_path: Path,
+    probes_folder: Path,
+    work: Path,
+    *,
+    own_right: str = "",
+    team: Team = ALONE,
 ) -> Path:
     """Train an ExpandNet recipe once for each of its folds; see `train_folds`.
 
@@ -95,7 +107,8 @@ def train_expandnet_folds(
         folder = work / recipe.id / f"fold-{fold}"
         digest = {"recipe_digest": own.digest}
         if not _is_done(folder, digest):
-            train_without(own, probes, folder, work / "checkpoints", own_right=own_right)
+            checkpoints = work / "checkpoints" / f"{recipe.id}-{own.digest[:12]}"
+            train_without(own, probes, folder, checkpoints, own_right=own_right, team=team)
             logger.info("fold %d of %d trained", fold + 1, recipe.folds)
     return work / recipe.id / "fold-{fold}" / "expandnet.onnx"
 

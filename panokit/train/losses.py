@@ -25,10 +25,23 @@ class GridLoss:
         self._area = matrix[-1] / matrix[-1].sum()
         self._luminance = torch.tensor(REC709_LUMINANCE, dtype=torch.float32)
 
+    def to(self, device: str) -> "GridLoss":
+        """The same loss for tensors on a device."""
+        self._matrix, self._area, self._luminance = (
+            tensor.to(device) for tensor in (self._matrix, self._area, self._luminance)
+        )
+        return self
+
     def __call__(
-        self, grid: Tensor, log_gain: Tensor, slopes: Tensor, clear: Tensor, burnt: Tensor
-    ) -> Tensor:
-        """One number.
+        self,
+        grid: Tensor,
+        log_gain: Tensor,
+        slopes: Tensor,
+        clear: Tensor,
+        burnt: Tensor,
+        ceiling: Tensor | None = None,
+    ) -> dict[str, Tensor]:
+        """The terms by name; their sum is what to make small.
 
         Args:
             grid: (B, 16, 64, 128), the network's input.
@@ -36,6 +49,8 @@ class GridLoss:
             slopes: (B, 2), predicted.
             clear: (B, 3, 64, 128), log of the true radiance where nothing is burnt out.
             burnt: (B, 3, 64, 128), log of the true radiance of what is burnt out.
+            ceiling: (B, 64, 128), how much of each cell's truth is a lower bound; nothing if
+                not given.
         """
         share = grid[:, 9:10]
         open_share = (1 - share).clamp(min=1e-3)
@@ -43,15 +58,21 @@ class GridLoss:
         guess_clear = apply_curve(unburnt, slopes) * open_share
         guess_burnt = grid[:, 6:9] * log_gain.exp()
         true_clear, true_burnt = clear.exp(), burnt.exp()
-        loss = self._burnt_detail(guess_burnt, true_burnt, share)
-        loss = loss + self._clear_detail(guess_clear, true_clear, share)
+        cells = torch.zeros_like(share) if ceiling is None else (ceiling[:, None] > 0).float()
+        bound = cells.amax(dim=(1, 2, 3))
         guess, true = guess_clear + guess_burnt, true_clear + true_burnt
-        loss = loss + 0.1 * sum(
-            light_loss(self._project(guess[:, c]), self._project(true[:, c])) for c in range(3)
+        color = sum(
+            light_loss(self._project(guess[:, c]), self._project(true[:, c]), bound=bound)
+            for c in range(3)
         )
-        return loss + light_loss(
-            self._project(self._light(guess)), self._project(self._light(true))
-        )
+        return {
+            "burnt": self._burnt_detail(guess_burnt, true_burnt, share, cells),
+            "clear": self._clear_detail(guess_clear, true_clear, share),
+            "color": 0.1 * color,
+            "light": light_loss(
+                self._project(self._light(guess)), self._project(self._light(true)), bound=bound
+            ),
+        }
 
     def _light(self, radiance: Tensor) -> Tensor:
         return torch.einsum("bchw,c->bhw", radiance, self._luminance)
@@ -59,9 +80,10 @@ class GridLoss:
     def _project(self, light: Tensor) -> Tensor:
         return light.flatten(1) @ self._matrix.T
 
-    def _burnt_detail(self, guess: Tensor, true: Tensor, share: Tensor) -> Tensor:
+    def _burnt_detail(self, guess: Tensor, true: Tensor, share: Tensor, cells: Tensor) -> Tensor:
         """Log error of burnt-out light, weighted half by its area and once by its energy."""
-        error = ((guess + _FLOOR).log() - (true + _FLOOR).log()).abs().mean(dim=1).flatten(1)
+        difference = (guess + _FLOOR).log() - (true + _FLOOR).log()
+        error = _missed(difference, cells).mean(dim=1).flatten(1)
         area = share.flatten(1) * self._area
         energy = self._light(true).flatten(1) * self._area * (share.flatten(1) > 0)
         weight = 0.5 * area / (area.sum(1, keepdim=True) + 1e-6)
@@ -74,7 +96,9 @@ class GridLoss:
         return 0.5 * ((error * weight).sum(1) / weight.sum(1).clamp(min=1e-6)).mean()
 
 
-def light_loss(guess: Tensor, true: Tensor, relative: float = 0.0) -> Tensor:
+def light_loss(
+    guess: Tensor, true: Tensor, relative: float = 0.0, bound: Tensor | None = None
+) -> Tensor:
     """Error of irradiance on 64 normals, of the energy and of the light vector.
 
     Args:
@@ -82,21 +106,32 @@ def light_loss(guess: Tensor, true: Tensor, relative: float = 0.0) -> Tensor:
         true: The same of the truth.
         relative: How much of the irradiance's error is relative and not of the log, 0 to 1: in
             doubt, a relative error asks for less light, a log error for the median.
+        bound: (B,), 1 where the truth is a lower bound: only too little light is an error
+            then, and the light vector is not known. Nowhere if not given.
     """
+    bound = torch.zeros_like(guess[:, 0]) if bound is None else bound
     ratio = (guess[:, :NORMALS] + _FLOOR) / (true[:, :NORMALS] + _FLOOR)
-    irradiance = ((1 - relative) * ratio.log().abs() + relative * (ratio - 1).abs()).mean(1)
-    energy = ((guess[:, 67] + _FLOOR).log() - (true[:, 67] + _FLOOR).log()).abs()
+    one_sided = bound[:, None]
+    irradiance = (
+        (1 - relative) * _missed(ratio.log(), one_sided) + relative * _missed(ratio - 1, one_sided)
+    ).mean(1)
+    energy = _missed((guess[:, 67] + _FLOOR).log() - (true[:, 67] + _FLOOR).log(), bound)
     guess_vector = guess[:, 64:67] / (guess[:, 67:] + _FLOOR)
     true_vector = true[:, 64:67] / (true[:, 67:] + _FLOOR)
     # The added constant keeps the gradient of the length finite where the two agree.
     vector = ((guess_vector - true_vector).square().sum(1) + 1e-6).sqrt()
-    return (2 * irradiance + 0.5 * energy + vector).mean()
+    return (2 * irradiance + 0.5 * energy + (1 - bound) * vector).mean()
+
+
+def _missed(difference: Tensor, bound: Tensor) -> Tensor:
+    """The size of a difference; where `bound` is 1, only of one below zero."""
+    return torch.where(bound > 0, (-difference).clamp(min=0), difference.abs())
 
 
 def component_loss(
     log_gain: Tensor, ldr_energy: Tensor, energy: Tensor, spread: Tensor, vector: Tensor,
-    rest: Tensor, relative: float = 0.0,
-) -> Tensor:  # fmt: skip
+    rest: Tensor, lower: Tensor | None = None, relative: float = 0.0,
+) -> dict[str, Tensor]:  # fmt: skip
     """The loss of a component network: the light of all components, and each one's own error.
 
     Args:
@@ -106,8 +141,13 @@ def component_loss(
         spread: (B, K, 64), irradiance for an energy of 1.
         vector: (B, K, 3), light vector for an energy of 1.
         rest: (B, 68), irradiance, light vector and energy of all other light.
+        lower: (B, K), 1 where the true energy is a lower bound; nowhere if not given.
         relative: See `light_loss`.
+
+    Returns:
+        The terms by name; their sum is what to make small.
     """
+    lower = torch.zeros_like(energy) if lower is None else lower
     real = (ldr_energy > 0).float()
     guess = ldr_energy * log_gain.exp()
     guess_light, true_light = (
@@ -122,11 +162,12 @@ def component_loss(
         + rest
         for each in (guess, energy * real)
     )
-    error = ((guess + 1e-3).log() - (energy + 1e-3).log()).abs() * real
+    error = _missed((guess + 1e-3).log() - (energy + 1e-3).log(), lower) * real
     by_energy = energy * real / (energy * real).sum(1, keepdim=True).clamp(min=1e-6)
     evenly = real / real.sum(1, keepdim=True).clamp(min=1)
     own = (error * (by_energy + 0.5 * evenly)).sum(dim=1).mean()
-    return light_loss(guess_light, true_light, relative) + 0.5 * own
+    bound = lower.amax(dim=1)
+    return {"light": light_loss(guess_light, true_light, relative, bound), "own": 0.5 * own}
 
 
 def sun_loss(logit: Tensor, sun: Tensor, ldr_energy: Tensor) -> Tensor:

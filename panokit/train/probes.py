@@ -1,8 +1,10 @@
 """The HDR probes to train on, and whether they may be trained on; the list is evaluate's."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from panokit.capture import Capture, require_right_to_train
+from panokit.errors import RecordError
 from panokit.evaluate.probe_set import PROBE_WIDTH_PX as PROBE_WIDTH_PX
 from panokit.evaluate.probe_set import ListedProbe as TrainingProbe
 from panokit.evaluate.probe_set import assign_folds as assign_folds
@@ -12,6 +14,23 @@ from panokit.io.pictures import record_path
 
 # Of the cross-validation. Mixed training pictures, too, never join probes of two folds.
 FOLDS = 5
+# How the manifest begins to speak of maps whose brightest light is clipped or lossy.
+CLIPPED = "robustness"
+
+
+def read_lower_bounds(folder: Path) -> list[TrainingProbe]:
+    """The probes whose brightest light is not to be trusted, by name; there may be none.
+
+    Raises:
+        StorageError: If there is no manifest.
+        RecordError: If a column is missing.
+    """
+    try:
+        return read_probes(folder, CLIPPED)
+    except RecordError as error:
+        if error.reason != "no-probes":
+            raise
+        return []
 
 
 def check_rights(probes: Sequence[TrainingProbe], own_right: str = "") -> None:

@@ -12,8 +12,8 @@ pytestmark = pytest.mark.train
 torch = pytest.importorskip("torch")
 
 TINY = ExpandNetRecipe(
-    id="tiny", steps=12, batch=2, crop_px=32, smallest_crop_px=32, largest_crop_px=48,
-    learning_rate=1e-3,
+    architecture="expandnet", id="tiny", steps=12, batch=2, crop_px=32, smallest_crop_px=32,
+    largest_crop_px=48, learning_rate=1e-3,
 )  # fmt: skip
 
 
@@ -85,7 +85,7 @@ def test_the_recipe_in_models_loads_and_names_its_folder():
 
 def test_a_wrong_recipe_is_refused_by_name(tmp_path: Path):
     path = tmp_path / "expandnet.toml"
-    path.write_text('id = "x"\nstep = 3\n', encoding="utf-8")
+    path.write_text('architecture = "expandnet"\nid = "x"\nstep = 3\n', encoding="utf-8")
     with pytest.raises(SettingsError, match="step"):
         read_expandnet_recipe(path)
     path.write_text("id = ", encoding="utf-8")

@@ -20,6 +20,7 @@ network = {members = 2, steps = 2, batch = 2}
 components = {members = 2, steps = 2, batch = 4}
 """
 EXPANDNET = """
+architecture = "expandnet"
 id = "tinynet"
 folds = 2
 shots_per_probe = 1

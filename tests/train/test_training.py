@@ -108,35 +108,58 @@ def test_the_loss_is_least_at_the_truth(examples: Examples):
     clear, burnt = (torch.from_numpy(getattr(examples, n)).float() for n in ("clear", "burnt"))
     right = (burnt.exp() / grid[:, 6:9].clamp(min=1e-4)).clamp(min=1).log()
     slopes = torch.ones(len(grid), 2)
-    best = float(loss_of(grid, right, slopes, clear, burnt))
+    best = float(sum(loss_of(grid, right, slopes, clear, burnt).values()))
     for offset in (-1.0, 1.0):
-        assert float(loss_of(grid, right + offset, slopes, clear, burnt)) > best + 0.5
+        assert float(sum(loss_of(grid, right + offset, slopes, clear, burnt).values())) > best + 0.5
 
 
+@pytest.mark.parametrize("kind", ["gain", "components"])
 def test_training_repeats_and_resumes_from_a_checkpoint(
-    examples: Examples, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    examples: Examples, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
 ):
     from panokit.train import loop
+    from panokit.train.run import Run
+
+    def fit(checkpoint: Path | None = None):
+        if kind == "gain":
+            return loop.train_gain_net(examples, TINY.network, seed=4, checkpoint=checkpoint)
+        return loop.train_component_net(examples, TINY.components, seed=4, checkpoint=checkpoint)
 
     monkeypatch.setattr(loop, "CHECKPOINT_EVERY", 1)
-    whole = loop.train_gain_net(examples, TINY.network, seed=4)
-    path = tmp_path / "gain.pt"
-
+    whole = fit()
+    path = tmp_path / "net.pt"
     stopped_after = 2
-    original = loop._Run.save
+    original = Run.save
 
     def save_and_stop(run, where):
         original(run, where)
         if run.step == stopped_after:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(loop._Run, "save", save_and_stop)
+    monkeypatch.setattr(Run, "save", save_and_stop)
     with pytest.raises(KeyboardInterrupt):
-        loop.train_gain_net(examples, TINY.network, seed=4, checkpoint=path)
-    monkeypatch.setattr(loop._Run, "save", original)
-    resumed = loop.train_gain_net(examples, TINY.network, seed=4, checkpoint=path)
+        fit(path)
+    # What else is random in the process must not matter.
+    torch.manual_seed(12345)
+    monkeypatch.setattr(Run, "save", original)
+    resumed = fit(path)
     for name, value in whole.state_dict().items():
         assert torch.equal(value, resumed.state_dict()[name]), name
+    # A finished run is not made again.
+    monkeypatch.setattr(Run, "advance", None)
+    finished = fit(path)
+    for name, value in whole.state_dict().items():
+        assert torch.equal(value, finished.state_dict()[name]), name
+
+
+def test_a_checkpoint_that_does_not_fit_is_refused(examples: Examples, tmp_path: Path):
+    from panokit.errors import ModelError
+    from panokit.train.loop import train_component_net
+
+    path = tmp_path / "net.pt"
+    path.write_bytes(b"not a checkpoint")
+    with pytest.raises(ModelError, match="Delete it"):
+        train_component_net(examples, TINY.components, seed=0, checkpoint=path)
 
 
 def test_a_trained_recipe_is_released_and_expands_a_picture(examples: Examples, tmp_path: Path):
