@@ -61,9 +61,16 @@ def render_page(page: Page) -> str:
         UsageError: If the page has two galleries, or two maps of one name.
     """
     entries = _entries(page)
-    anchors = _anchors("map", [entry.name for entry in entries])
-    titled = [section.title for section in page.sections if section.title]
-    places = _anchors("part", titled)
+    anchors = dict(
+        zip(
+            (entry.name for entry in entries),
+            _anchors("map", [entry.name for entry in entries]),
+            strict=True,
+        )
+    )
+    titles = [section.title for section in page.sections]
+    places = _anchors("part", titles)
+    contents = [(title, place) for title, place in zip(titles, places, strict=True) if title]
     style, script = _asset_text(_STYLES), _script()
     return (
         _environment()
@@ -76,7 +83,7 @@ def render_page(page: Page) -> str:
             script=Markup(script),
             anchors=anchors,
             places=places,
-            contents=list(places.items()) if len(places) >= _FEWEST_CONTENTS else [],
+            contents=contents if len(contents) >= _FEWEST_CONTENTS else [],
             entries=entries,
             blocks=_blocks(entries),
             data=_data(entries, anchors),
@@ -109,18 +116,16 @@ def _galleries(sections: Sequence[Section]) -> Iterator[Gallery]:
             yield from _galleries(section.sections)
 
 
-def _anchors(kind: str, names: Sequence[str]) -> dict[str, str]:
-    """Name -> an id that no other name has, whatever characters they are made of."""
-    found: dict[str, str] = {}
-    taken: set[str] = set()
+def _anchors(kind: str, names: Sequence[str]) -> list[str]:
+    """An id for each name that no other has, whatever characters they are made of."""
+    taken: dict[str, None] = {}
     for name in names:
         base = f"{kind}-" + (re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-") or "x")
         anchor, number = base, 2
         while anchor in taken:
             anchor, number = f"{base}-{number}", number + 1
-        taken.add(anchor)
-        found[name] = anchor
-    return found
+        taken[anchor] = None
+    return list(taken)
 
 
 def _block(entry: int, layer: int) -> str:

@@ -50,7 +50,7 @@ def sections_of(title: str, value: Any) -> tuple[Section, ...]:
         title: The heading.
         value: What `json.load` gives: a dictionary, a list, or a single value.
     """
-    if isinstance(value, Mapping):
+    if isinstance(value, Mapping) and value:
         return _mapping(title, value)
     if _is_records(value):
         return _records(title, value)
@@ -58,7 +58,7 @@ def sections_of(title: str, value: Any) -> tuple[Section, ...]:
         return (_charts(title, {title: value}),)
     if isinstance(value, list | tuple):
         return (Text(title=title, paragraphs=tuple(_text(v) for v in value) or ("None.",)),)
-    return (Text(title=title, paragraphs=(_text(value),)),)
+    return (Text(title=title, paragraphs=("None." if value == {} else _text(value),)),)
 
 
 def _mapping(title: str, value: Mapping[str, Any]) -> tuple[Section, ...]:
@@ -183,7 +183,7 @@ def _is_records(value: Any) -> bool:
     return (
         isinstance(value, list | tuple)
         and len(value) > 0
-        and all(isinstance(v, Mapping) for v in value)
+        and all(isinstance(v, Mapping) and v for v in value)
     )
 
 

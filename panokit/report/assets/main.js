@@ -23,6 +23,11 @@ function start() {
   const viewer = new Viewer(MAPS, renderer);
   const gallery = new Gallery(MAPS, renderer);
   viewer.order = () => gallery.shown;
+  if (renderer) {
+    renderer.onRestored = () => {
+      if (viewer.dialog.open) viewer.open(viewer.index);
+    };
+  }
   const open = async (index) => {
     await whenWhole();
     viewer.open(index);

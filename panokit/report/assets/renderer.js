@@ -11,7 +11,11 @@ class Renderer {
     this.canvas = document.createElement("canvas");
     this.layers = new Map();
     this.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
-    this.canvas.addEventListener("webglcontextrestored", () => this.build());
+    this.onRestored = () => {};
+    this.canvas.addEventListener("webglcontextrestored", () => {
+      this.build();
+      this.onRestored();
+    });
     this.gl = this.canvas.getContext("webgl2", { antialias: false, depth: false });
     if (!this.gl) throw new Error("no WebGL2");
     this.build();
