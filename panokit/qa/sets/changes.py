@@ -1,20 +1,23 @@
 """What augmentation adds and what it distorts, figure by figure, by a rule."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
 import numpy as np
 
 from panokit.qa.sets.descriptors import DESCRIPTORS, Descriptor
-from panokit.qa.sets.distances import Shift, shift_between
+from panokit.qa.sets.distances import Interval, Shift, shift_between
 from panokit.qa.sets.resampling import TwoSets, false_discovery_rates
 from panokit.qa.sets.settings import SetSettings
 
 Figures = Mapping[str, float | None]
 
 _LEAST_MAPS = 4
+# From this share of augmented maps on whose scenes the reference has, the sets show the same.
+_SAME_SCENES = 0.9
+_OWN_RESAMPLES = 1000
 _MOST_BINS = 30
 _CURVE_POINTS = 41
 
@@ -67,6 +70,9 @@ class Change:
         reference_missing: The same of the reference.
         shift: The comparison; None where there are too few maps, or one value in all.
         q: The rate of false alarms if this figure and all clearer ones are said to differ.
+        own_change: For maps with a truth of their own in the reference, the median of how far
+            the figure is from that of the truth, in units of `shift.scale`. It can be large
+            where the distributions are alike: each map is wrong in its own way.
         distribution: To draw; None where there is nothing to draw.
     """
 
@@ -79,6 +85,7 @@ class Change:
     reference_missing: int
     shift: Shift | None = None
     q: float | None = None
+    own_change: Interval | None = None
     distribution: Distribution | None = None
 
     def to_json(self) -> dict[str, Any]:
@@ -96,6 +103,7 @@ class Change:
             "reference_missing": self.reference_missing,
             "shift": self.shift and self.shift.to_json(),
             "q": self.q,
+            "own_change": asdict(self.own_change) if self.own_change else None,
             "distribution": self.distribution and self.distribution.to_json(),
         }
 
@@ -105,6 +113,7 @@ def changes_between(
     reference: Sequence[Figures],
     sets: TwoSets,
     settings: SetSettings | None = None,
+    own: Sequence[int | None] = (),
 ) -> tuple[Change, ...]:
     """Every figure of `DESCRIPTORS`, compared and judged.
 
@@ -113,8 +122,10 @@ def changes_between(
         reference: The same of each reference map.
         sets: Which maps belong together, in the same order.
         settings: The rule's numbers.
+        own: For each augmented map, which reference map is its own truth; None for none.
     """
     settings = settings or SetSettings()
+    same_scenes = bool(np.isin(sets.augmented, sets.shared).mean() >= _SAME_SCENES)
     shifts = [_shift(d.name, augmented, reference, sets, settings) for d in DESCRIPTORS]
     rates = iter(false_discovery_rates([shift.p for shift in shifts if shift is not None]))
     found = []
@@ -122,7 +133,7 @@ def changes_between(
         ours, theirs = _values(descriptor.name, augmented), _values(descriptor.name, reference)
         q = next(rates) if shift is not None else None
         if shift is not None and q is not None:
-            effect, reason = effect_of(shift, q, settings)
+            effect, reason = effect_of(shift, q, settings, same_scenes=same_scenes)
         elif min(len(ours), len(theirs)) < _LEAST_MAPS:
             effect, reason = Effect.UNDECIDED, "too few maps have it"
         else:
@@ -138,19 +149,24 @@ def changes_between(
                 reference_missing=len(reference) - len(theirs),
                 shift=shift,
                 q=q,
+                own_change=_own_change(descriptor.name, augmented, reference, own, shift),
                 distribution=distribution_of(ours, theirs) if len(ours) and len(theirs) else None,
             )
         )
     return tuple(found)
 
 
-def effect_of(shift: Shift, q: float, settings: SetSettings) -> tuple[Effect, str]:
+def effect_of(
+    shift: Shift, q: float, settings: SetSettings, *, same_scenes: bool = False
+) -> tuple[Effect, str]:
     """The rule; docs/ideas/qa-sets.md says it in words.
 
     Args:
         shift: The comparison of one figure.
         q: Its false discovery rate among all figures.
         settings: The rule's numbers.
+        same_scenes: Whether both sets show the same scenes: then there is nothing to add, and
+            a wider range is one that the scenes do not have.
     """
     moved = shift.shift
     if q <= settings.false_discovery:
@@ -159,7 +175,7 @@ def effect_of(shift: Shift, q: float, settings: SetSettings) -> tuple[Effect, st
         if shift.spread is not None and shift.spread.high < settings.narrower_max:
             return Effect.DISTORTS, "narrower"
         if shift.outside.low > settings.outside_expected:
-            return Effect.ADDS, "wider"
+            return (Effect.DISTORTS if same_scenes else Effect.ADDS), "wider"
         return Effect.UNDECIDED, "differs, but neither in its middle nor in its range for sure"
     if max(abs(moved.low), abs(moved.high)) <= settings.same_within:
         return Effect.SAME, "no difference seen, and none that is large can be"
@@ -210,6 +226,28 @@ def _shift(
         resamples=settings.resamples,
         seed=settings.seed,
     )
+
+
+def _own_change(
+    name: str,
+    augmented: Sequence[Figures],
+    reference: Sequence[Figures],
+    own: Sequence[int | None],
+    shift: Shift | None,
+) -> Interval | None:
+    pairs = [
+        (ours[name], reference[place][name])
+        for ours, place in zip(augmented, own, strict=False)
+        if place is not None
+    ]
+    both = np.array([(a, b) for a, b in pairs if a is not None and b is not None], np.float64)
+    if shift is None or len(both) < _LEAST_MAPS:
+        return None
+    apart = np.abs(both[:, 0] - both[:, 1]) / shift.scale
+    random = np.random.default_rng(0)
+    drawn = apart[random.integers(0, len(apart), (_OWN_RESAMPLES, len(apart)))]
+    low, high = np.percentile(np.median(drawn, axis=1), [2.5, 97.5])
+    return Interval(value=float(np.median(apart)), low=float(low), high=float(high))
 
 
 def _values(name: str, figures: Sequence[Figures]) -> list[float]:

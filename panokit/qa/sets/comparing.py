@@ -218,7 +218,7 @@ def _compared(
         ),
         reference=tuple(theirs),
         paired=sum(moves.values()),
-        changes=changes_between(values_a, values_r, tested, settings),
+        changes=changes_between(values_a, values_r, tested, settings, _own(tested_a, tested_r)),
         energy=energy,
         kernel=kernel,
         frechet=harmonics_frechet(
@@ -292,6 +292,12 @@ def _arrays(maps: Sequence[DescribedMap]) -> tuple[np.ndarray, np.ndarray]:
         np.stack([one.description.power for one in maps]),
         np.stack([one.description.thumbnail for one in maps]),
     )
+
+
+def _own(ours: Sequence[DescribedMap], theirs: Sequence[DescribedMap]) -> list[int | None]:
+    """For each augmented map, which reference map has its name."""
+    known = {one.member.name: number for number, one in enumerate(theirs)}
+    return [known.get(one.member.name) for one in ours]
 
 
 def _names(maps: Sequence[DescribedMap]) -> list[str]:

@@ -25,8 +25,12 @@ COPY = 0.5
 HALF = 0.65
 # What the other half has less than where only one half is shared.
 _OTHER_HALF = 0.3
-# A featureless map has no detail to be known by.
-_LEAST_DETAIL_STOPS = 0.004
+# A bare sky has less detail than this, mostly the rim of its sun, and one sun is like another:
+# then only a nearly exact copy is one.
+_PLAIN_STOPS = 0.1
+_EXACT = 0.8
+# Less is rounding.
+_LEAST_STOPS = 0.004
 _CANDIDATES = 12
 _TURNS = 4 * DETAIL_WIDTH_PX
 _SAME_PLACE_M = 10.0
@@ -94,16 +98,22 @@ def find_near_duplicates(
     """
     places = captures or [None] * len(names)
     known = {(min(pair), max(pair)) for pair in apart}
-    found = []
+    partners: dict[int, list[int]] = {}
     for i, j in _candidates(descriptions, places):
-        if (i, j) in known:
-            continue
-        meters = distance_m(places[i], places[j])
-        same = _same_scene(descriptions[i].detail, descriptions[j].detail)
-        if same is None and meters is not None and meters < _SAME_PLACE_M:
-            same = {"likeness": Likeness.PLACE}
-        if same is not None:
-            found.append(NearDuplicate(first=names[i], second=names[j], distance_m=meters, **same))
+        if (i, j) not in known:
+            partners.setdefault(i, []).append(j)
+    found = []
+    for i, others in partners.items():
+        details = np.stack([descriptions[j].detail for j in others])
+        for j, shared in zip(others, _same_scenes(descriptions[i].detail, details), strict=True):
+            meters = distance_m(places[i], places[j])
+            same = shared
+            if same is None and meters is not None and meters < _SAME_PLACE_M:
+                same = {"likeness": Likeness.PLACE}
+            if same is not None:
+                found.append(
+                    NearDuplicate(first=names[i], second=names[j], distance_m=meters, **same)
+                )
     return sorted(found, key=lambda pair: (-(pair.correlation or 0.0), pair.first, pair.second))
 
 
@@ -121,44 +131,49 @@ def _candidates(
     return sorted((i, j) for i, j in pairs if i != j)
 
 
-def _same_scene(first: NDArray[np.float32], second: NDArray[np.float32]) -> dict[str, Any] | None:
-    """What two maps share, judged by their detail; None if nothing."""
-    found = []
+def _same_scenes(
+    detail: NDArray[np.float32], others: NDArray[np.float32]
+) -> list[dict[str, Any] | None]:
+    """What a map shares with each of others (n, H, W), judged by their detail; None if nothing."""
+    best: list[dict[str, Any] | None] = [None] * len(others)
     for mirrored in (False, True):
-        other = second[:, ::-1] if mirrored else second
-        fits = {part: _fit(first, other, rows) for part, rows in _PARTS.items()}
-        likeness = _likeness({part: fit[0] for part, fit in fits.items()})
-        if likeness is not None:
-            correlation, yaw_deg = fits[likeness]
-            found.append((correlation, likeness, yaw_deg, mirrored))
-    if not found:
-        return None
-    correlation, likeness, yaw_deg, mirrored = max(found, key=lambda fit: fit[0])
-    return {
-        "likeness": likeness,
-        "correlation": correlation,
-        "yaw_deg": yaw_deg,
-        "mirrored": mirrored,
-    }
+        turned = others[:, :, ::-1] if mirrored else others
+        fits = {part: _fit(detail, turned, rows) for part, rows in _PARTS.items()}
+        for j in range(len(others)):
+            likeness = _likeness({part: float(fit[0][j]) for part, fit in fits.items()})
+            if likeness is None:
+                continue
+            correlation = float(fits[likeness][0][j])
+            earlier = best[j]
+            if earlier is None or correlation > earlier["correlation"]:
+                best[j] = {
+                    "likeness": likeness,
+                    "correlation": correlation,
+                    "yaw_deg": float(fits[likeness][1][j]),
+                    "mirrored": mirrored,
+                }
+    return best
 
 
-def _likeness(correlations: dict[Likeness, float | None]) -> Likeness | None:
+def _likeness(correlations: dict[Likeness, float]) -> Likeness | None:
+    """The verdict; comparisons with NaN, where there is no detail, are false."""
     upper, lower = correlations[Likeness.UPPER], correlations[Likeness.LOWER]
-    for part, this, other in ((Likeness.UPPER, upper, lower), (Likeness.LOWER, lower, upper)):
-        if (this or 0) >= HALF and other is not None and other < _OTHER_HALF:
-            return part
-    whole = correlations[Likeness.COPY]
-    return Likeness.COPY if whole is not None and whole >= COPY else None
+    if upper >= HALF and lower < _OTHER_HALF:
+        return Likeness.UPPER
+    if lower >= HALF and upper < _OTHER_HALF:
+        return Likeness.LOWER
+    return Likeness.COPY if correlations[Likeness.COPY] >= COPY else None
 
 
 def _fit(
-    first: NDArray[np.float32], second: NDArray[np.float32], rows: slice
-) -> tuple[float | None, float]:
-    """The correlation of some rows at the best yaw, and that yaw; None where there is no detail."""
-    a, b = np.zeros_like(first), np.zeros_like(first)
-    a[rows], b[rows] = first[rows], second[rows]
-    if min(float(a[rows].std()), float(b[rows].std())) < _LEAST_DETAIL_STOPS:
-        return None, 0.0
-    fit = align(a[None], b[None], _TURNS)
-    yaw_deg = (float(np.degrees(fit.yaw[0, 0])) + 180) % 360 - 180
-    return float(fit.correlation[0, 0]), yaw_deg
+    detail: NDArray[np.float32], others: NDArray[np.float32], rows: slice
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Correlations (n,) of some rows at the best yaws, and these; NaN where there is no detail."""
+    ours, theirs = np.zeros_like(detail), np.zeros_like(others)
+    ours[rows], theirs[:, rows] = detail[rows], others[:, rows]
+    fit = align(ours[None], theirs, _TURNS)
+    least = np.minimum(detail[rows].std(), others[:, rows].std(axis=(1, 2)))
+    correlation = np.where(least < _LEAST_STOPS, np.nan, fit.correlation[0])
+    plain = (least < _PLAIN_STOPS) & (correlation < _EXACT)
+    yaw_deg = (np.degrees(fit.yaw[0]) + 180) % 360 - 180
+    return np.where(plain, np.nan, correlation), yaw_deg

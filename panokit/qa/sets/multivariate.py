@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from panokit.metrics.frechet import frechet_distance
-from panokit.qa.sets.distances import robust_scale
 from panokit.qa.sets.resampling import TwoSets, p_value, permuted_labels
 
 Array = NDArray[np.float64]
@@ -81,7 +80,7 @@ def standardized(
 ) -> tuple[Array, Array, tuple[str, ...]]:
     """Figures as vectors, centered and scaled by the reference's median and quartiles.
 
-    Figures that some map has not, or that are one number in all maps, are left out.
+    Figures that some map has not, or that are one number in half of the reference, are left out.
 
     Returns:
         (n, d) and (m, d) float64 within plus and minus 10, and the names of the d figures.
@@ -94,10 +93,10 @@ def standardized(
             continue
         column = np.array(values, np.float64)
         of_reference = column[len(augmented) :]
-        scale = robust_scale(of_reference) or robust_scale(column)
-        if scale > 0:
+        low, high = np.percentile(of_reference, [25, 75])
+        if high > low:
             used.append(name)
-            columns.append((column - np.median(of_reference)) / scale)
+            columns.append((column - np.median(of_reference)) / (high - low))
     vectors = np.clip(np.stack(columns, axis=1), -_FARTHEST, _FARTHEST)
     return vectors[: len(augmented)], vectors[len(augmented) :], tuple(used)
 

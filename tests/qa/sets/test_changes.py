@@ -124,3 +124,26 @@ def test_distributions_are_numbers_to_draw():
     assert found.augmented_below[0] == pytest.approx(1 / 3) and found.reference_below[0] == 0
     flat = distribution_of([2.0, 2], [2.0])
     assert sum(flat.augmented_counts) == 2
+
+
+def test_the_same_scenes_have_nothing_to_add(random):
+    theirs = figures(random, 60)
+    wide = figures(random, 60, contrast=np.array([f["contrast"] for f in theirs]) * 4)
+    names = [f"s{i}" for i in range(60)]
+    found = found_by_name(wide, theirs, two_sets(names, names))["contrast"]
+    assert (found.effect, found.reason) == (Effect.DISTORTS, "wider")
+
+
+def test_maps_that_are_wrong_each_in_its_own_way_are_seen_beside_their_truth(random):
+    theirs = figures(random, 60)
+    shuffled = np.array([f["contrast"] for f in theirs])[::-1]
+    ours = [{**f, "contrast": c} for f, c in zip(theirs, shuffled, strict=True)]
+    names = [f"s{i}" for i in range(60)]
+    found = {
+        c.descriptor.name: c
+        for c in changes_between(ours, theirs, two_sets(names, names), QUICK, list(range(60)))
+    }
+    assert found["contrast"].effect is Effect.SAME
+    assert found["contrast"].own_change.low > 0.3
+    assert found["detail"].own_change.value == 0
+    assert found_by_name(ours, theirs)["contrast"].own_change is None
