@@ -159,6 +159,9 @@ class LoadedScene:
     def update(self) -> None:
         """Let all changes take effect."""
         self._parameters.update()
+        # Mitsuba 3.9 tells the map how large the scene is before it measures the scene anew, so
+        # that shadow rays would be as long as the last sample's object needs.
+        self.scene.parameters_changed([])
 
 
 def _picture(material: Material) -> NDArray[np.float32]:
