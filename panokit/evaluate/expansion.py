@@ -184,6 +184,8 @@ def _scores(
     rows: list[Row] = []
     missing: list[tuple[str, Predictor]] = []
     for column in columns:
+        if not column.has_fold(item.fold):
+            continue
         predictor = column.predictor(item.fold)
         kept = cache.rows(item.probe, item.index, column.name, predictor, rolled=item.rolled)
         if kept is None:

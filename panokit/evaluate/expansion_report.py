@@ -170,7 +170,7 @@ def _notes(record: dict[str, Any]) -> list[str]:
         notes += [
             "",
             "The columns stand on different probes, since some methods were trained on a part "
-            "of them; choose one fold to compare on the same.",
+            "of them or have no model for some folds; choose one fold to compare on the same.",
         ]
     failed = {name: column["failed"] for name, column in columns.items() if column["failed"]}
     if failed:

@@ -14,7 +14,7 @@ import shlex
 import subprocess
 import tempfile
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import cv2
@@ -22,7 +22,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.errors import ItemError, ModelError, UsageError
-from panokit.evaluate.predictors import FOLD, PER_FOLD, Method, file_digest, seen_digests
+from panokit.evaluate.predictors import (
+    FOLD,
+    PER_FOLD,
+    Method,
+    file_digest,
+    first_of,
+    is_for_fold,
+    seen_digests,
+)
 from panokit.evaluate.probe_set import ListedProbe
 from panokit.inference import Session
 from panokit.io import read_environment_map
@@ -144,10 +152,11 @@ def onnx_method(where: Path | str) -> Method:
     pattern = str(where)
     # One at a time: a network at full size keeps gigabytes of scratch memory.
     load = lru_cache(maxsize=1)(lambda place: _onnx_predictor(Path(place)))
-    load(pattern.replace(FOLD, "0"))
+    load(first_of(pattern, ""))
     return Method(
         name=Path(pattern).stem.replace(FOLD, "") + (PER_FOLD if FOLD in pattern else ""),
         predictor=lambda fold: load(pattern.replace(FOLD, str(fold))),
+        has_fold=partial(is_for_fold, pattern, ""),
     )
 
 

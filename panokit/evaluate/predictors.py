@@ -8,7 +8,7 @@ import hashlib
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Protocol
 
@@ -27,6 +27,7 @@ from panokit.weights import ReleasedModel, find_model, read_model
 
 TRAINING_RECORD = "training.json"
 # Stands for the number of the fold in a path; and what a method with one model for each is called.
+_MOST_FOLDS = 100
 FOLD, PER_FOLD = "{fold}", " (per fold)"
 
 
@@ -54,10 +55,12 @@ class Method:
     Attributes:
         name: Its heading.
         predictor: The one that judges the probes of a fold.
+        has_fold: Whether there is one for a fold; the probes of others are left out.
     """
 
     name: str
     predictor: Callable[[int], Predictor]
+    has_fold: Callable[[int], bool] = lambda fold: True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,10 +163,37 @@ def model_method(where: str) -> Method:
             unseen_by_fold=FOLD in where,
         )
 
-    first = load(where.replace(FOLD, "0"))
+    first = load(first_of(where, "model.toml"))
     return Method(
         name=first.model.id + (PER_FOLD if FOLD in where else ""),
         predictor=lambda fold: load(where.replace(FOLD, str(fold))),
+        has_fold=partial(is_for_fold, where, "model.toml"),
+    )
+
+
+def is_for_fold(pattern: str, file: str, fold: int) -> bool:
+    """Whether there is a model for a fold; without {fold} in the pattern it is for all.
+
+    Args:
+        pattern: A path, with {fold} for the number of the fold or without.
+        file: That must lie at the path; "" if the path is the file.
+        fold: The number.
+    """
+    return FOLD not in pattern or Path(pattern.replace(FOLD, str(fold)), file).is_file()
+
+
+def first_of(pattern: str, file: str) -> str:
+    """The path of the first fold for which there is a model, see `is_for_fold`; the pattern
+    itself if it is no pattern.
+
+    Raises:
+        UsageError: If there is none.
+    """  # noqa: D205
+    for fold in range(_MOST_FOLDS):
+        if is_for_fold(pattern, file, fold):
+            return pattern.replace(FOLD, str(fold))
+    raise UsageError(
+        f"There is no model for any fold at {pattern}. Train them with: panokit train --folds"
     )
 
 

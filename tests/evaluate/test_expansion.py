@@ -219,6 +219,20 @@ def test_models_for_each_fold_are_taken_for_unseen(probe_folder, tmp_path):
     assert light.shape == (64, 128, 3)
 
 
+def test_folds_without_a_model_are_left_out_and_said(probe_folder, tmp_path):
+    source = shipped_path("models/expand-1/model.toml").parent
+    with pytest.raises(UsageError, match="for any fold"):
+        model_method(str(tmp_path / "fold-{fold}"))
+    (tmp_path / "fold-1").symlink_to(source)
+    per_fold = model_method(str(tmp_path / "fold-{fold}"))
+    settings = QUICK.model_copy(update={"roll_probes": 0, "cameras": ("A",)})
+    result = evaluate_expansion(probe_folder, [per_fold], tmp_path / "out", settings)
+    own = [row for row in result.rows if row.method == per_fold.name]
+    assert len(own) == 4
+    assert {row.fold for row in own} == {1}
+    assert "different probes" in evaluation_markdown(evaluation_record(result))
+
+
 def test_the_command_prints_a_table_that_fits_a_terminal(probe_folder, tmp_path, capsys):
     arguments = ["evaluate", "expansion", "--probes", str(probe_folder), "--out", str(tmp_path),
                  "--fold", "0", "--folds", "2", "--roll-probes", "0", "--limit", "2"]  # fmt: skip
