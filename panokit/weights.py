@@ -35,17 +35,38 @@ class ModelFile:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ModelTensor:
+    """An input or output of a model's networks.
+
+    Attributes:
+        type: "float32".
+        shape: Lengths; a name where a length is free, the same name for the same length.
+        meaning: In words.
+    """
+
+    type: str
+    shape: tuple[int | str, ...]
+    meaning: str
+
+    def to_json(self) -> dict[str, Any]:
+        """A dictionary for `json.dump`."""
+        return {"type": self.type, "shape": list(self.shape), "meaning": self.meaning}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ReleasedModel:
     """A model as its `model.toml` describes it.
 
     Attributes:
         id: Also the name of its folder.
-        task: The stage that runs it.
+        task: The stage that runs it; "expand-baseline" is only to be judged beside others.
         license: SPDX identifier of the weights' license.
         description: One line.
-        features_version: Of the function that makes the inputs; the stage refuses others.
+        features_version: Of the function that makes the inputs; the stage refuses others. Empty
+            where the input is the picture itself.
         folder: Where the files are.
         files: By role.
+        tensors: Every input and output of the files, by name.
     """
 
     id: str
@@ -55,6 +76,7 @@ class ReleasedModel:
     features_version: str
     folder: Path
     files: Mapping[str, ModelFile]
+    tensors: Mapping[str, ModelTensor]
 
     @property
     def digest(self) -> str:
@@ -117,6 +139,12 @@ def read_model(folder: Path) -> ReleasedModel:
             )
             for role, file in record["files"].items()
         }
+        tensors = {
+            name: ModelTensor(
+                type=tensor["type"], shape=tuple(tensor["shape"]), meaning=tensor["meaning"]
+            )
+            for name, tensor in record.get("tensors", {}).items()
+        }
         return ReleasedModel(
             id=record["id"],
             task=record["task"],
@@ -125,6 +153,7 @@ def read_model(folder: Path) -> ReleasedModel:
             features_version=record["features_version"],
             folder=folder,
             files=files,
+            tensors=tensors,
         )
     except (OSError, tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError) as error:
         raise ModelError(

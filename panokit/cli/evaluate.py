@@ -1,7 +1,7 @@
 """`panokit evaluate expansion`: how much light methods recover."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
@@ -10,16 +10,13 @@ from panokit.console import Console
 from panokit.evaluate.settings import ExpansionEvaluation
 from panokit.expand.settings import ExpandSettings
 
-if TYPE_CHECKING:
-    from panokit.evaluate.predictors import Method
-
 
 def expansion(
     *,
     probes: Path,
     out: Path,
     model: tuple[str, ...] = (ExpandSettings().model,),
-    command: tuple[str, ...] = (),
+    peer: Annotated[tuple[str, ...], Parameter(name=("--peer", "--command"))] = (),
     settings: Annotated[ExpansionEvaluation, Parameter(name="*")] = ExpansionEvaluation(),
     json: Json = False,
 ) -> int:
@@ -35,16 +32,18 @@ def expansion(
     out
         Where expansion.json, expansion.md and the kept scores go.
     model
-        A released model, or a model's folder (with {fold} for one of each fold), or any .onnx
-        file that takes a picture and gives radiance. Can be given several times.
-    command
-        A program of yours: "NAME=PROGRAM {input} {output}" gets a PNG and writes an EXR. Can be
-        given several times.
+        A released model, or a model's folder, with {fold} for one of each fold. Can be given
+        several times.
+    peer
+        A method of yours: an .onnx file that takes a picture and gives radiance (with {fold} for
+        one of each fold), or a program, "NAME=PROGRAM {input} {output}", that gets a PNG and writes
+        an EXR. Can be given several times.
     """
     from panokit.evaluate import evaluate_expansion, write_evaluation
+    from panokit.evaluate.peers import method_of, peer_method
 
     console = Console(as_json=json)
-    methods = [_method(name) for name in model] + _commands(command, settings)
+    methods = [*map(method_of, model), *(peer_method(one, settings.timeout_s) for one in peer)]
     result = evaluate_expansion(probes, methods, out, settings, console)
     paths = write_evaluation(result, out)
     from panokit.evaluate.expansion_report import evaluation_record
@@ -55,19 +54,6 @@ def expansion(
     console.result(f"All figures: {paths[1]}")
     console.value({key: value for key, value in record.items() if key != "rows"})
     return 0
-
-
-def _method(name: str) -> "Method":
-    from panokit.evaluate.peers import onnx_method
-    from panokit.evaluate.predictors import model_method
-
-    return onnx_method(name) if name.endswith(".onnx") else model_method(name)
-
-
-def _commands(texts: tuple[str, ...], settings: ExpansionEvaluation) -> "list[Method]":
-    from panokit.evaluate.peers import command_method
-
-    return [command_method(text, settings.timeout_s) for text in texts]
 
 
 def _show(console: Console, camera: str, columns: dict[str, Any]) -> None:

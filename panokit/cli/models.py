@@ -29,6 +29,12 @@ def show(model: str, /, *, json: Json = False) -> int:
     found = find_model(model)
     card = found.folder / "README.md"
     console.result(card.read_text(encoding="utf-8").rstrip() if card.exists() else found.id)
+    console.result("\nTensors:")
+    rows = [
+        (name, t.type, " x ".join(map(str, t.shape)) or "number", t.meaning)
+        for name, t in found.tensors.items()
+    ]
+    console.table(("name", "type", "shape", "what it is"), rows)
     console.result(f"\nFiles: {found.folder}")
     console.value(_as_json(found))
     return 0
@@ -53,4 +59,6 @@ def _as_json(model: ReleasedModel) -> dict[str, object]:
         "description": model.description,
         "digest": model.digest,
         "folder": str(model.folder),
+        "files": {role: {"name": f.name, "sha256": f.sha256} for role, f in model.files.items()},
+        "tensors": {name: tensor.to_json() for name, tensor in model.tensors.items()},
     }

@@ -29,6 +29,7 @@ from panokit.evaluate.predictors import (
     file_digest,
     first_of,
     is_for_fold,
+    model_method,
     seen_digests,
 )
 from panokit.evaluate.probe_set import ListedProbe
@@ -38,7 +39,11 @@ from panokit.io.files import write_bytes
 from panokit.io.images import encode_png
 from panokit.provenance import digest_of
 from panokit.sphere import resize_radiance
+from panokit.weights import find_model
 
+# A released network that takes a picture and gives one, and is no model of panokit's own kind.
+BASELINE_TASK = "expand-baseline"
+MODEL_CARD = "model.toml"
 _TOLD = 300
 
 
@@ -128,7 +133,7 @@ class CommandPredictor:
             )
         except OSError as error:
             raise UsageError(
-                f"Cannot run {words[0]}: {error.strerror}. Check the --command."
+                f"Cannot run {words[0]}: {error.strerror}. Check the --peer."
             ) from error
         except subprocess.TimeoutExpired as error:
             raise ItemError(
@@ -141,6 +146,21 @@ class CommandPredictor:
                 f"{words[0]} failed with code {done.returncode}: {said or 'it said nothing'}",
                 reason="command-failed",
             )
+
+
+def method_of(where: str) -> Method:
+    """A model by its id, its folder, or its .onnx file; with {fold}, one for each fold.
+
+    Raises:
+        ModelError: If there is none, or it is damaged, or no expansion.
+    """
+    if where.endswith(".onnx"):
+        return onnx_method(where)
+    if FOLD not in where and not Path(where, MODEL_CARD).is_file():
+        model = find_model(where)
+        if model.task == BASELINE_TASK:
+            return onnx_method(model.path("network"))
+    return model_method(where)
 
 
 def onnx_method(where: Path | str) -> Method:
@@ -172,6 +192,16 @@ def _onnx_predictor(path: Path) -> OnnxPredictor:
     return OnnxPredictor(digest=file_digest(path), session=session, seen=seen_digests(path.parent))
 
 
+def peer_method(text: str, timeout_s: float) -> Method:
+    """Somebody else's method: an .onnx file (see `onnx_method`) or a command.
+
+    Raises:
+        ModelError: If the file is no network of a picture.
+        UsageError: If there is no command in the text.
+    """
+    return onnx_method(text) if text.endswith(".onnx") else command_method(text, timeout_s)
+
+
 def command_method(text: str, timeout_s: float) -> Method:
     """A command as a column: "NAME=COMMAND", or a command, named by its program.
 
@@ -184,9 +214,9 @@ def command_method(text: str, timeout_s: float) -> Method:
     try:
         words = shlex.split(rest)
     except ValueError as error:
-        raise UsageError(f"--command {text!r} is not a command line: {error}.") from error
+        raise UsageError(f"--peer {text!r} is not a command line: {error}.") from error
     if not words:
-        raise UsageError("--command takes NAME=PROGRAM ARGUMENTS {input} {output}.")
+        raise UsageError("--peer takes an .onnx file, or NAME=PROGRAM ARGUMENTS {input} {output}.")
     if not any("{input}" in word or "{output}" in word for word in words):
         words += ["{input}", "{output}"]
     predictor = CommandPredictor(words=tuple(words), timeout_s=timeout_s)

@@ -16,6 +16,8 @@ from panokit.expand.spread import grid_energies, spread_gain
 from panokit.inference import DEFAULT_THREADS, Session
 from panokit.weights import ReleasedModel, find_model, verify_model
 
+# What a model is for that this stage can run.
+TASK = "expand"
 # Of the functions that make the networks' inputs; a model says which one it was trained with.
 FEATURES_VERSION = "1"
 # Of a model in two files, whose grid network answers for one roll: the mean over rolls by 0 to
@@ -87,7 +89,7 @@ class ExpansionNetwork:
     def __init__(
         self, model: ReleasedModel, *, threads: int = DEFAULT_THREADS, device: str = "auto"
     ) -> None:
-        if model.task != "expand" or model.features_version != FEATURES_VERSION:
+        if model.task != TASK or model.features_version != FEATURES_VERSION:
             raise ModelError(
                 f"Model {model.id!r} is for {model.task!r} with features "
                 f"{model.features_version!r}; this is expand with features {FEATURES_VERSION!r}. "

@@ -14,7 +14,7 @@ from panokit.expand.baselines import area_gains, expand_area, expand_reinhard, e
 from panokit.expand.components import find_components
 from panokit.expand.features import CONTRAST_WIDTH_PX
 from panokit.expand.lighting import describe_lighting, sun_hint
-from panokit.expand.network import Prediction, compose, load_network, predict
+from panokit.expand.network import TASK, Prediction, compose, load_network, predict
 from panokit.expand.reduce import ReducedPanorama, reduce_panorama
 from panokit.expand.settings import VERSION, ExpandSettings
 from panokit.expand.strips import WIDEST_WHOLE_PX, compose_wide, formula_wide, multiply_wide
@@ -116,7 +116,8 @@ def weights_digest(model: str) -> str:
     """
     if model in ANALYTIC:
         return ""
-    names = [*(released.id for released in released_models()), *ANALYTIC]
+    own = [released.id for released in released_models() if released.task == TASK]
+    names = [*own, *ANALYTIC]
     if model not in names:
         near = get_close_matches(model, names, n=1)
         hint = f"Did you mean {near[0]!r}? " if near else ""

@@ -1,4 +1,5 @@
 import json
+import sys
 from dataclasses import dataclass
 
 import numpy as np
@@ -248,12 +249,37 @@ def test_the_command_prints_a_table_that_fits_a_terminal(probe_folder, tmp_path,
     assert value["cameras"]["A"]["expand-2"]["status"] == "seen"
 
 
+def test_a_command_of_the_users_is_a_column(probe_folder, tmp_path, capsys):
+    script = tmp_path / "twice.py"
+    script.write_text(
+        "import sys\nimport numpy as np\nfrom panokit.envmap import EnvironmentMap\n"
+        "from panokit.io import read_panorama, write_environment_map\n"
+        "pixels = read_panorama(sys.argv[1]).pixels\n"
+        "light = ((pixels / 255) ** 2.2).astype(np.float32)\n"
+        "write_environment_map(EnvironmentMap(radiance=light), sys.argv[2])\n",
+        encoding="utf-8",
+    )
+    peer = f"gamma={sys.executable} {script} {{input}} {{output}}"
+    arguments = ["evaluate", "expansion", "--probes", str(probe_folder), "--out", str(tmp_path),
+                 "--model", "expand-1", "--peer", peer, "--roll-probes", "0", "--limit", "1",
+                 "--cameras", "A"]  # fmt: skip
+    assert main(arguments) == 0
+    assert "gamma?" in capsys.readouterr().out
+    record = json.loads((tmp_path / "expansion.json").read_text(encoding="utf-8"))
+    assert record["judged"] == ["expand-1", "gamma"]
+    figures = record["cameras"]["A"]["gamma"]["figures"]
+    plain = record["cameras"]["A"]["sRGB"]["figures"]
+    # A power of 2.2 is sRGB, nearly.
+    for key in ("irradiance_median", "energy_median"):
+        assert figures[key]["value"] == pytest.approx(plain[key]["value"], abs=0.05)
+
+
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
         (["--fold", "7"], "fold must be"),
         (["--cameras", "C"], "cameras must be"),
-        (["--command", "x="], "NAME=PROGRAM"),
+        (["--peer", "x="], "NAME=PROGRAM"),
         (["--model", "no-such"], "no-such"),
     ],
 )

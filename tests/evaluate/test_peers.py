@@ -6,7 +6,7 @@ import pytest
 
 from panokit.color import srgb_decode_u8
 from panokit.errors import ItemError, ModelError, UsageError
-from panokit.evaluate.peers import command_method, onnx_method
+from panokit.evaluate.peers import command_method, method_of, onnx_method, peer_method
 from panokit.evaluate.probe_set import ListedProbe
 
 PICTURE = np.random.default_rng(0).integers(0, 255, (32, 64, 3), dtype=np.uint8)
@@ -107,6 +107,24 @@ def test_any_command_is_a_peer(tmp_path: Path):
     plain = command_method(f"{sys.executable} {script}", 60)
     assert plain.name.startswith("python")
     assert np.array_equal(plain.predictor(0).predict(PICTURE), light)
+
+
+@pytest.mark.train
+def test_a_peer_is_told_by_its_ending(tmp_path: Path):
+    path = onnx_file(tmp_path / "net.onnx", [1, 3, "h", "w"])
+    assert peer_method(str(path), 5).name == "net"
+    assert method_of(str(path)).name == "net"
+    assert peer_method("net2=onnx-runner --fast", 5).name == "net2"
+
+
+def test_the_released_baseline_is_judged_by_its_id():
+    method = method_of("expandnet")
+    assert method.name == "expandnet"
+    light = method.predictor(0).predict(PICTURE)
+    assert light.shape == PICTURE.shape
+    assert 0 <= light.min() < light.max() <= 1
+    assert method.predictor(0).has_seen(PROBE) is False
+    assert method_of("expand-1").name == "expand-1"
 
 
 @pytest.mark.parametrize(

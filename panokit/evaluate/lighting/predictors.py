@@ -1,6 +1,7 @@
 """What predicts a map from two views: released models, any ONNX file, and the baselines."""
 
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
@@ -8,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.errors import ModelError, UsageError
+from panokit.errors import ModelError
 from panokit.evaluate.lighting.background import BackgroundExtrapolation
 from panokit.evaluate.lighting.baselines import (
     AmbientColor,
@@ -18,8 +19,9 @@ from panokit.evaluate.lighting.baselines import (
     TrainingMaps,
 )
 from panokit.evaluate.lighting.inversion import ReflectanceInversion
-from panokit.evaluate.lighting.sample import StereoSample
+from panokit.evaluate.lighting.sample import StereoSample, Views
 from panokit.inference import Session
+from panokit.reflectance import segment_materials, sparse_reflectance
 
 
 class LightingPredictor(Protocol):
@@ -45,14 +47,10 @@ def baselines(training: TrainingMaps) -> tuple[LightingPredictor, ...]:
 
 
 class NetworkPredictor:
-    """A network from an ONNX file.
-
-    Its inputs are `left`, `right` and `background`, (1, 3, S, S) float32, display-encoded in
-    [0, 1], or those of them that it has; its output is (1, 3, 64, 64) linear radiance.
+    """A model that reads light, from its folder; see docs/formats.md for what goes in.
 
     Args:
-        folder: A model's folder: model.onnx and model.toml with a table `lighting`: `input_px`,
-            and `views`, which is "composited" or "object".
+        folder: With model.toml and the network that it names.
         name: For tables; the folder's name if not given.
 
     Raises:
@@ -63,38 +61,55 @@ class NetworkPredictor:
         self.name = name or folder.name
         try:
             card = tomllib.loads((folder / "model.toml").read_text(encoding="utf-8"))
-            spec = card["lighting"]
+            spec, file = card["lighting"], card["files"]["lighting"]["name"]
             self._size, self._views = int(spec["input_px"]), str(spec["views"])
+            self._materials = int(spec.get("materials", 1))
         except (OSError, tomllib.TOMLDecodeError, KeyError, ValueError) as error:
             raise ModelError(
-                f"{folder} is not a model that reads light from two views ({error!r})."
+                f"{folder} is not a model that reads light from two views ({error!r}). "
+                "Its model.toml needs the tables [lighting] and [files.lighting]."
             ) from error
-        if self._views not in ("composited", "object"):
-            raise ModelError(f'{folder}: views is "composited" or "object", not {self._views!r}.')
-        self._session = Session(folder / "model.onnx")
+        self.session = Session(folder / file)
+        unknown = set(self.session.inputs) - {"left", "right", "background", "maps"}
+        if unknown:
+            raise ModelError(f"{folder} asks for {sorted(unknown)}, which samples do not have.")
 
     def predict(self, sample: StereoSample) -> NDArray[np.float32]:
         """(64, 64, 3)."""
-        given = self.inputs(sample)
-        found = self._session.run({name: given[name] for name in self._session.inputs})
+        found = self.session.run(self.inputs(sample))
         radiance = np.asarray(next(iter(found.values())))[0]
         if radiance.shape != (3, 64, 64):
-            raise UsageError(f"{self.name} gives {radiance.shape}, not (3, 64, 64).")
-        return np.maximum(radiance.transpose(1, 2, 0), 0)
+            raise ModelError(f"{self.name} gives {radiance.shape}, not (3, 64, 64).")
+        return np.ascontiguousarray(np.maximum(radiance.transpose(1, 2, 0), 0))
 
     def inputs(self, sample: StereoSample) -> dict[str, NDArray[np.float32]]:
-        """What the network is given."""
+        """What the network is given: each of its inputs with a batch of one."""
         views = sample.views
-        composited = self._views == "composited"
-        pictures = {
-            "left": views.left if composited else views.left_object,
-            "right": views.right if composited else views.right_object,
-            "background": views.background,
+        on_background = self._views == "composited"
+        make: dict[str, Callable[[], NDArray[np.float32]]] = {
+            "left": lambda: self._picture(views.left if on_background else views.left_object),
+            "right": lambda: self._picture(views.right if on_background else views.right_object),
+            "background": lambda: self._picture(views.background),
+            "maps": lambda: self._maps(views),
         }
-        return {name: self._prepared(picture) for name, picture in pictures.items()}
+        return {name: make[name]() for name in self.session.inputs}
 
-    def _prepared(self, picture: NDArray[np.uint8]) -> NDArray[np.float32]:
+    def _picture(self, picture: NDArray[np.uint8]) -> NDArray[np.float32]:
         size = (self._size, self._size)
         if picture.shape[:2] != size:
             picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
         return np.ascontiguousarray(picture.transpose(2, 0, 1)[None] / np.float32(255))
+
+    def _maps(self, views: Views) -> NDArray[np.float32]:
+        """Sparse reflectance maps by the true normals, of as many materials as there are inputs."""
+        picture = views.left_object / np.float32(255)
+        seen = views.mask & (np.abs(views.normals).sum(axis=-1) > 0)
+        masks = [seen]
+        if self._materials > 1:
+            part = segment_materials(picture, seen, self._materials)
+            masks = [part == number for number in range(1, self._materials + 1)]
+        channels = []
+        for mask in masks:
+            found = sparse_reflectance(picture, views.normals, mask)
+            channels += [found.color.transpose(2, 0, 1), found.valid[None].astype(np.float32)]
+        return np.concatenate(channels)[None]
