@@ -12,7 +12,7 @@ STITCHERS = .stitchers-venv
 TESTS ?= tests
 BIN = $(VENV)/bin
 
-.PHONY: help demo test check test-slow bench bench-peers bench-stitchers docs clean
+.PHONY: help demo test check test-slow bench bench-library bench-peers bench-stitchers docs clean
 
 help:
 	@echo "make demo       light probes from the embedded city, with a report (core packages only)"
@@ -20,6 +20,7 @@ help:
 	@echo "make check      style, types and layers"
 	@echo "make test-slow  tests that take minutes"
 	@echo "make bench      benchmarks"
+	@echo "make bench-library  a library of 10,000 probes: listing, filters, indexing"
 	@echo "make bench-peers  geometry against skylibs, equilib and py360convert"
 	@echo "make bench-stitchers  stitching against OpenCV, OpenStitching, Hugin (needs PANOKIT_DATA)"
 	@echo "make docs       the documentation, in docs/_build"
@@ -41,6 +42,9 @@ test-slow: $(VENV)/.installed
 
 bench: $(VENV)/.installed
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks --benchmark-columns=min,mean,rounds
+
+bench-library: $(VENV)/.installed
+	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/library.py
 
 bench-peers: $(VENV)/.installed $(PEERS)/.installed
 	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/peers/compare.py $(PEERS)/bin/python

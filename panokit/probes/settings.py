@@ -17,7 +17,7 @@ Balance = Literal["category", "place", "kind", "none"]
 
 _FILTERS = Group("Which probes", sort_key=1)
 _SELECTION = Group("How to select", sort_key=2)
-_NO_FLAG = Parameter(group=_FILTERS, negative=())
+_NO_FLAG = Parameter(negative=())
 
 
 class ProbeFilter(Settings):

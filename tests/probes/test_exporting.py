@@ -25,7 +25,7 @@ TEXEL = (9, 50)
 # What only a file with a light of its own has in it.
 SUN_MARKS = {
     "usd": "DistantLight", "blender": "'irradiance'", "mitsuba": "directional",
-    "gltf": "KHR_lights_punctual", "harmonics": '"irradiance_rgb"', "exr": "",
+    "gltf": "KHR_lights_punctual", "harmonics": '"angular_radius_deg"', "exr": "",
 }  # fmt: skip
 
 

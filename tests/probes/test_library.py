@@ -1,5 +1,6 @@
 """The library: round trip, duplicates, filters, and mending what was interrupted or damaged."""
 
+import json
 import os
 import shutil
 import sqlite3
@@ -14,6 +15,7 @@ import pytest
 from panokit.errors import ImageError, StorageError, UsageError
 from panokit.io import read_environment_map, write_environment_map
 from panokit.probes import Library, ProbeFilter, probe_id
+from panokit.probes.shelf import Shelf
 from panokit.qa import Verdict
 
 
@@ -171,6 +173,54 @@ def test_reindex_follows_folders_that_came_and_went(tmp_path, make_map):
         )
         assert library.reindex() == 2
         assert {entry.id for entry in library.list()} == {kept.id, copied.id}
+
+
+def test_opening_looks_into_new_folders_only(tmp_path, make_map, monkeypatch):
+    with Library.create(tmp_path / "lib") as library:
+        for seed in range(3):
+            library.add(make_map(seed))
+    looked_at = []
+    has = Shelf.has
+    monkeypatch.setattr(Shelf, "has", lambda self, id: looked_at.append(id) or has(self, id))
+    with Library.open(tmp_path / "lib") as library:
+        assert len(library.list()) == 3
+    assert looked_at == []
+    with Library.create(tmp_path / "other") as other:
+        copied = other.add(make_map(9)).probe.id
+    looked_at.clear()
+    shutil.copytree(tmp_path / "other/probes" / copied, tmp_path / "lib/probes" / copied)
+    with Library.open(tmp_path / "lib") as library:
+        assert len(library.list()) == 4
+    assert looked_at == [copied]
+
+
+def test_a_probe_is_found_by_its_name_and_a_near_one_is_named(library, make_map):
+    probe = library.add(make_map(1), name="old_harbor").probe
+    assert library.show("old_harbor") == probe
+    with pytest.raises(UsageError, match=rf"Did you mean {probe.id[:10]} \(old_harbor\)\?"):
+        library.show("old_habor")
+    wrong = ("0" if probe.id[7] != "0" else "1").join([probe.id[:7], probe.id[8:]])
+    with pytest.raises(UsageError, match=rf"Did you mean {probe.id[:10]}"):
+        library.show(wrong)
+
+
+def test_an_empty_library_says_how_to_fill_it(library):
+    with pytest.raises(UsageError, match=r"is empty\. Add maps with: panokit probes add"):
+        library.show("3f9c")
+
+
+def test_records_of_before_are_read(library, make_map):
+    """Without kind, category, tags, sun and descriptor, as they were written first."""
+    probe = library.add(make_map(1)).probe
+    path = folder_of(library, probe) / "probe.json"
+    record = json.loads(path.read_text())
+    for name in ("kind", "category", "tags", "sun", "descriptor"):
+        del record["probe"][name]
+    path.write_text(json.dumps(record))
+    old = library.show(probe.id)
+    assert (old.kind, old.category, old.descriptor, old.sun) == ("lifted", "", (), None)
+    assert library.reindex() == 1
+    assert library.list()[0].kind == "lifted"
 
 
 KILLED_ADD = """
