@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 LibraryFolder = Annotated[Path, Parameter(help="The library's folder.")]
 Filter = Annotated[ProbeFilter, Parameter(name="*")]
 _LABEL_WIDTH, _WIDTH = 15, 80
+_SHORT_KINDS = {"synthetic": "synth."}
 
 
 def add(
@@ -160,9 +161,9 @@ def _row(entry: "Entry") -> tuple[str, ...]:
     stops = entry.dynamic_range_stops
     return (
         entry.id[:8],
-        _tail(entry.name, 20),
-        _head(entry.category, 13),
-        entry.kind[:6],
+        _tail(entry.name, 17),
+        _head(entry.category, 11),
+        _SHORT_KINDS.get(entry.kind, entry.kind),
         "" if stops is None else f"{stops:.1f}",
         "sun" if entry.has_sun else "",
         entry.verdict,

@@ -7,8 +7,6 @@ from typing import Any, NamedTuple
 from panokit.probes.probe import Probe
 from panokit.probes.settings import ProbeFilter
 
-_PLAUSIBILITY = "plausibility"
-
 
 class Entry(NamedTuple):
     """One line of the library's list; each field is a column of the index.
@@ -28,7 +26,7 @@ class Entry(NamedTuple):
         license: Its id, "unknown" where it is not known.
         attribution: The line to show with the map.
         verdict: Of QA: "pass" or "fail".
-        score: The plausibility that QA gave, or None.
+        plausibility: How far QA found it from what captured maps look like, or None.
         width_px: Of the map.
         dynamic_range_stops: From the median to the peak, or None.
         top_share: The share of the energy in the brightest 0.1 % of the sphere, or None.
@@ -54,7 +52,7 @@ class Entry(NamedTuple):
     license: str
     attribution: str
     verdict: str
-    score: float | None
+    plausibility: float | None
     width_px: int
     dynamic_range_stops: float | None
     top_share: float | None
@@ -90,7 +88,7 @@ _CONDITIONS = {
     "derivable": "derivable = ?",
     "storable": "storable = ?",
     "verdict": "verdict = ?",
-    "score_min": "score >= ?",
+    "plausibility_max": "plausibility <= ?",
     "dynamic_range_min_stops": "dynamic_range_stops >= ?",
     "has_sun": "has_sun = ?",
 }
@@ -127,7 +125,7 @@ def entry_of(probe: Probe) -> Entry:
         license=probe.license.id,
         attribution=probe.license.attribution,
         verdict=str(probe.report.verdict),
-        score=values.get(_PLAUSIBILITY),
+        plausibility=values.get("plausibility"),
         width_px=probe.width_px,
         dynamic_range_stops=values.get("dynamic-range"),
         top_share=values.get("top-share"),

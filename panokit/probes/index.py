@@ -13,7 +13,7 @@ from panokit.probes.entry import COLUMNS, Entry, entry_from_row, query_of
 from panokit.probes.settings import ProbeFilter
 
 # Raise it when the columns change: an index of another layout is made anew.
-_LAYOUT = 2
+_LAYOUT = 3
 _BUSY_TIMEOUT_S = 10.0
 IN_MEMORY = Path(":memory:")
 # SQLite tells a full disk as a failed write as often as not; less than this is full.

@@ -14,7 +14,7 @@ from panokit.probes.library import Library
 _TEXT = ("id", "name", "category", "kind", "place", "provider", "license", "attribution",
          "verdict")  # fmt: skip
 _FLAGS = ("has_sun", "in_place", "storable", "derivable", "trainable")
-_NUMBERS = ("latitude_deg", "longitude_deg", "score", "dynamic_range_stops", "top_share",
+_NUMBERS = ("latitude_deg", "longitude_deg", "plausibility", "dynamic_range_stops", "top_share",
             "sun_azimuth_deg", "sun_elevation_deg")  # fmt: skip
 
 TABLE_SCHEMA = pa.schema(

@@ -62,8 +62,8 @@ class ProbeFilter(Settings):
     verdict: Annotated[Literal["pass", "fail"] | None, Parameter(group=_FILTERS)] = None
     """What QA said."""
 
-    score_min: Annotated[float | None, Parameter(group=_FILTERS)] = None
-    """The least plausibility that QA gave."""
+    plausibility_max: Annotated[float | None, Parameter(group=_FILTERS)] = None
+    """At most so far from what captured maps look like, as QA measured it; 1 is typical."""
 
     dynamic_range_min_stops: Annotated[float | None, Parameter(group=_FILTERS)] = None
     """The least dynamic range, from the median to the peak."""

@@ -83,7 +83,7 @@ def library(tmp_path_factory):
         ({"tags": ("bri",)}, ""),
         ({"tags": ("a_b",)}, "render"),
         ({"tags": ("r_ver",)}, ""),
-        ({"score_min": 0.5}, ""),
+        ({"plausibility_max": 0.0}, ""),
         ({"dynamic_range_min_stops": 6.0}, "suva"),
     ],
 )
