@@ -8,7 +8,6 @@ made of the thesis's blocks.
 
 import itertools
 import math
-from collections.abc import Sequence
 
 import torch
 from torch import Tensor, nn
@@ -70,15 +69,16 @@ class Dematerial(nn.Module):
         wide = sum(count for _, count in encoders) + behind
         self.decoder = _decoder(wide, output_px, width, layers)
 
-    def forward(self, maps: Sequence[Tensor], background: Tensor) -> Tensor:
+    def forward(self, maps: Tensor, background: Tensor) -> Tensor:
         """The coded map of each sample.
 
         Args:
-            maps: For each material (B, 4, map, map): colors and validity; all zero for a
-                material that is not there.
+            maps: (B, 4 materials, map, map): colors and validity of each material; all zero for
+                one that is not there.
             background: (B, 3, H, W).
         """
-        encoded = [encode(one) for encode, one in zip(self.maps, maps, strict=True)]
+        each = maps.split(4, dim=1)
+        encoded = [encode(one) for encode, one in zip(self.maps, each, strict=True)]
         return self.decoder(torch.cat([*encoded, self.background(background)], dim=1))
 
 

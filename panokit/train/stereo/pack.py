@@ -77,8 +77,8 @@ def open_pack(dataset: Path, split: str, input_px: int, work: Path, limit: int =
 def _write(folder: Path, source: StereoDataset, count: int, size: int) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     shapes: dict[str, tuple[tuple[int, ...], type]] = {
-        **{name: ((size, size, 3), np.uint8) for name in PICTURES},
-        **{name: ((REFLECTANCE_PX, REFLECTANCE_PX, 3), np.float32) for name in MAPS},
+        **dict.fromkeys(PICTURES, ((size, size, 3), np.uint8)),
+        **dict.fromkeys(MAPS, ((REFLECTANCE_PX, REFLECTANCE_PX, 3), np.float32)),
         "normal": ((size, size, 3), np.float16),
         "part": ((size, size), np.uint8),
     }
@@ -110,9 +110,7 @@ def _read(folder: Path) -> Pack:
     return Pack(
         keys=np.array(record["keys"]),
         places=np.array(record["places"]),
-        arrays={
-            name: np.load(folder / f"{name}.npy", mmap_mode="r") for name in record["arrays"]
-        },
+        arrays={name: np.load(folder / f"{name}.npy", mmap_mode="r") for name in record["arrays"]},
     )
 
 
@@ -141,7 +139,7 @@ def _parts(
 ) -> NDArray[np.uint8]:
     part = (mask >= 128).astype(np.uint8)
     if "left_material.png" in source.names(number):
-        part = part * np.maximum(source.member(number, "left_material.png"), 1)
+        part = part * np.maximum(source.decoded(number, "left_material.png"), 1)
     return np.asarray(cv2.resize(part, (size, size), interpolation=cv2.INTER_NEAREST), np.uint8)
 
 
@@ -149,5 +147,4 @@ def _reflectance(source: StereoDataset, number: int) -> NDArray[np.float32]:
     """The reflectance map of the sample's first material."""
     names = source.names(number)
     name = "reflectance.exr" if "reflectance.exr" in names else "reflectance_1.exr"
-    return np.asarray(source.member(number, name), np.float32)
-
+    return np.asarray(source.decoded(number, name), np.float32)

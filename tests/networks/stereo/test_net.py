@@ -89,5 +89,5 @@ def test_the_networks_on_reflectance_maps_run():
         net = PictureToMap(channels, input_px=size, width=4)
         assert net(torch.zeros(2, channels, size, size)).shape == (2, 3, 64, 64)
     net = Dematerial(materials=3, background_px=32, width=4, layers=1)
-    maps = [torch.zeros(2, 4, 64, 64)] * 3
+    maps = torch.zeros(2, 12, 64, 64)
     assert net(maps, torch.zeros(2, 3, 32, 32)).shape == (2, 3, 64, 64)

@@ -1,0 +1,130 @@
+"""How wrong a predicted map is: in its numbers, and in what its light does.
+
+The render loss is the 2018 thesis's own future work (6.2.4): scenes are lit by the predicted map
+and the true one through precomputed transport (`panokit.metrics.transport`), which is linear, so
+its gradient is one matrix product.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from panokit.color.hdr_coding import HdrCoding
+from panokit.metrics.transport import transport
+from panokit.networks.stereo.coding import decode
+from panokit.sphere import equirect_directions, row_solid_angles
+from panokit.train.stereo.recipe import LossRecipe
+
+# What the scenes are lit from: enough for shadows to have edges, small enough for one matrix.
+_ACROSS, _DOWN = 32, 16
+_SCENES = ("diffuse", "glossy-0.3", "plane")
+_PIXELS = 200
+_FLOOR = 1e-3
+
+
+class MapLoss:
+    """The loss of a predicted environment map.
+
+    Args:
+        weights: How much each term counts.
+        coding: Of the network's output.
+    """
+
+    def __init__(self, weights: LossRecipe, coding: HdrCoding) -> None:
+        self._weights = weights
+        self._coding = coding
+
+    def __call__(self, code: Tensor, truth: Tensor) -> dict[str, Tensor]:
+        """The terms by name, weighted; their sum is what to make small.
+
+        Args:
+            code: (B, 3, 64, 64), predicted code values.
+            truth: (B, 3, 64, 64), true radiance.
+        """
+        weights = self._weights
+        terms = {"l1": weights.l1 * (code - encode(truth, self._coding)).abs().mean()}
+        if weights.render == weights.energy == weights.direction == 0:
+            return terms
+        # In single precision the exponential of a wild guess would be infinite.
+        guess = decode(code.float(), self._coding).clamp(max=1e6)
+        if weights.render:
+            terms["render"] = weights.render * render_difference(guess, truth)
+        energy, vector = light_vector(guess)
+        true_energy, true_vector = light_vector(truth)
+        if weights.energy:
+            ratio = ((energy + _FLOOR) / (true_energy + _FLOOR)).log()
+            terms["energy"] = weights.energy * ratio.abs().mean()
+        if weights.direction:
+            away = vector / (energy[:, None] + _FLOOR) - true_vector / (
+                true_energy[:, None] + _FLOOR
+            )
+            terms["direction"] = weights.direction * away.norm(dim=1).mean()
+        return terms
+
+
+def encode(radiance: Tensor, coding: HdrCoding) -> Tensor:
+    """Code values of true radiance (B, 3, H, W); no gradient goes through it."""
+    values = radiance.detach().permute(0, 2, 3, 1).cpu().numpy()
+    code = torch.from_numpy(coding.encode(values)).permute(0, 3, 1, 2)
+    return code.to(radiance.device)
+
+
+def light_vector(radiance: Tensor) -> tuple[Tensor, Tensor]:
+    """The energy (B,) and the light vector (B, 3) of the mean of the channels."""
+    gray = radiance.mean(dim=1).flatten(1)
+    weights, directions = (part.to(gray) for part in _geometry(*radiance.shape[-2:]))
+    weighted = gray * weights
+    return weighted.sum(dim=1), weighted @ directions
+
+
+def render_difference(guess: Tensor, truth: Tensor) -> Tensor:
+    """The mean difference of what the scenes look like, over how bright they are."""
+    seen, true = (_lit(one) for one in (guess, truth))
+    return ((seen - true).abs().mean(dim=(1, 2)) / (true.mean(dim=(1, 2)) + _FLOOR)).mean()
+
+
+def _lit(radiance: Tensor) -> Tensor:
+    """(B, 3, 64, 64) radiance to (B, pixels, 3) of the scenes."""
+    height, width = radiance.shape[-2:]
+    rows = _row_areas(height, width).to(radiance)
+    weighted = radiance * rows[:, None]
+    batch = len(radiance)
+    blocks = weighted.view(batch, 3, _DOWN, height // _DOWN, _ACROSS, width // _ACROSS)
+    energy = blocks.sum(dim=(3, 5))
+    coarse = _row_areas(_DOWN, _ACROSS).to(radiance)
+    mean = (energy / coarse[:, None]).flatten(2)
+    return torch.einsum("pd,bcd->bpc", scene_matrix().to(radiance), mean)
+
+
+@lru_cache(maxsize=1)
+def scene_matrix() -> Tensor:
+    """(pixels, directions): what each direction's radiance adds to some pixels of each scene."""
+    rows = [_matrix_of(scene) for scene in _SCENES]
+    return torch.from_numpy(np.concatenate(rows))
+
+
+def _matrix_of(scene: str) -> NDArray[np.float32]:
+    light = transport(scene, _ACROSS)
+    count = _ACROSS * _DOWN
+    # As many channels as directions, and in each channel light from one of them.
+    seen = light.forward(np.eye(count, dtype=np.float32).reshape(_DOWN, _ACROSS, count))
+    rows = seen.reshape(-1, count)
+    lit = np.flatnonzero(rows.sum(axis=1) > 0)
+    matrix = rows[lit[np.linspace(0, len(lit) - 1, min(_PIXELS, len(lit))).astype(int)]]
+    # Each scene counts alike, however bright it is.
+    return matrix / max(float(matrix.sum(axis=1).mean()), 1e-9)
+
+
+@lru_cache(maxsize=4)
+def _geometry(height: int, width: int) -> tuple[Tensor, Tensor]:
+    weights = np.repeat(row_solid_angles(height, width), width)
+    directions = equirect_directions(width, height).reshape(-1, 3)
+    return torch.from_numpy(weights).float(), torch.from_numpy(np.array(directions)).float()
+
+
+def _row_areas(height: int, width: int) -> Tensor:
+    """The solid angle of a pixel in each row; a copy, since the shared one is read-only."""
+    return torch.tensor(row_solid_angles(height, width).tolist())
