@@ -104,4 +104,10 @@ def _run(
         RunFolder(out).create()
     engine = LocalEngine(workers) if workers > 1 else SerialEngine()
     result = run_batch(stage, tasks, console, engine=engine, run=run)
+    narrow = [r.item for r in result.receipts if r.values.get("width_limited_by_panorama")]
+    if narrow:
+        more = f" and {len(narrow) - 1} more" if len(narrow) > 1 else ""
+        console.note(
+            f"{narrow[0]}{more}: narrower than --width-px, since no map is wider than its panorama."
+        )
     return finish(console, [result])

@@ -12,7 +12,7 @@ from panokit.color import luminance, srgb_decode_u8
 from panokit.envmap import EnvironmentMap
 from panokit.errors import ImageError
 from panokit.expand import ExpandSettings, expand
-from panokit.io import write_environment_map
+from panokit.io import read_environment_map, write_environment_map
 from panokit.io.images import encode_png
 from panokit.panorama import Panorama
 
@@ -103,6 +103,52 @@ def test_64_pixels_are_too_few_for_the_network_and_enough_for_formulas(capture):
     assert expanded(pixels, capture, "area").width_px == 64
 
 
+def test_each_bad_picture_has_one_outcome_on_the_command_line(tmp_path, capsys):
+    night = texture(low=2, high=14)
+    night[30:33, 60:63] = 255
+    pictures = {
+        "black": np.zeros((128, 256, 3), np.uint8),
+        "white": np.full((128, 256, 3), 255, np.uint8),
+        "tiny": texture(height=32),
+        "dull": texture(),
+        "night": night,
+        "long": texture()[:, :200],
+    }
+    for name, pixels in pictures.items():
+        (tmp_path / f"{name}.png").write_bytes(encode_png(pixels))
+    out = tmp_path / "out"
+    inputs = [str(tmp_path / f"{name}.png") for name in pictures]
+    assert main(["expand", *inputs, "--out", str(out), "--json"]) == 1
+    (result,) = json.loads(capsys.readouterr().out)
+    reasons = {entry["item"]: entry["reason"] for entry in result["rejected"]}
+    assert reasons == {
+        "black": "black",
+        "white": "burnt-out",
+        "tiny": "too-small",
+        "long": "not-equirectangular",
+    }
+    assert sorted(entry["item"] for entry in result["done"]) == ["dull", "night"]
+    # Half a map is never left behind.
+    assert {path.stem for path in out.glob("*.exr")} == {"dull", "night"}
+    dull = read_environment_map(out / "dull.exr").radiance
+    assert dull == pytest.approx(srgb_decode_u8(pictures["dull"]), abs=1e-6)
+    assert luminance(read_environment_map(out / "night.exr").radiance).max() > 2
+
+
+def test_a_map_that_is_narrower_than_asked_for_says_so(tmp_path, capsys):
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.png").write_bytes(encode_png(texture()))
+    arguments = ["expand", str(tmp_path / "a.png"), str(tmp_path / "b.png"), "--model", "srgb"]
+    assert main([*arguments, "--out", str(tmp_path / "o")]) == 0
+    said = capsys.readouterr().err
+    assert "a and 1 more: narrower than --width-px" in said
+    record = json.loads((tmp_path / "o" / "a.json").read_text(encoding="utf-8"))
+    values = record["provenance"][-1]["values"]
+    assert (values["width_px"], values["width_limited_by_panorama"]) == (256, True)
+    assert main([*arguments, "--out", str(tmp_path / "p"), "--width-px", "256"]) == 0
+    assert "narrower" not in capsys.readouterr().err
+
+
 def test_hdr_maps_and_pictures_that_are_not_2_to_1_are_rejected_by_name(tmp_path, capsys):
     envmap = EnvironmentMap(radiance=np.ones((64, 128, 3), np.float32))
     write_environment_map(envmap, tmp_path / "bright.exr")
@@ -122,6 +168,22 @@ def test_float_pixels_are_refused_where_a_panorama_is_made(capture):
         Panorama(pixels=np.ones((64, 128, 3), np.float32), capture=capture)
     assert caught.value.reason == "wrong-dtype"
     assert "EnvironmentMap" in str(caught.value)
+
+
+@pytest.mark.slow
+def test_16k_keeps_its_width_in_bounded_memory(capture):
+    # Four strips' worth of planes and the map itself; all planes of the picture would be 6 GB.
+    small = texture(high=120, height=256)
+    small[60:64, 100:110] = 255
+    pixels = cv2.resize(small, (16384, 8192), interpolation=cv2.INTER_NEAREST)
+    panorama = Panorama(pixels=pixels, capture=capture)
+    tracemalloc.start()
+    result = expand(panorama, ExpandSettings(model="area", width_px=16384))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert result.width_px == 16384
+    assert luminance(result.radiance[1900:2100, 6300:7100]).max() > 1.5
+    assert peak < 3.5e9
 
 
 @pytest.mark.slow
