@@ -1,13 +1,16 @@
 """`panokit qa`: judge maps, compare them with references, write a report."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from panokit.cli.options import Json
 from panokit.console import Console
 from panokit.qa.settings import QaSettings
+
+if TYPE_CHECKING:
+    from panokit.qa.batch import QaResult
 
 
 def qa(
@@ -16,6 +19,7 @@ def qa(
     *,
     out: Path | None = None,
     reference: Path | None = None,
+    truth: Path | None = None,
     title: str = "Light probes",
     settings: Annotated[QaSettings, Parameter(name="*")] = QaSettings(),
     json: Json = False,
@@ -29,8 +33,11 @@ def qa(
     out
         Where report.html and qa.json go; a run keeps them in RUN/qa.
     reference
-        A folder of HDR maps. One with the name of a map is its truth; the others make the
-        distribution that every map is placed in.
+        A folder of HDR maps that the maps are held against as a set. One with the name of a map
+        is its truth; the others make the distribution that every map is placed in.
+    truth
+        A folder of true maps, by the names or ids of the maps: every pair is scored under every
+        protocol and pictured. Then the reference gives no truths.
     title
         The heading of the report.
     """
@@ -45,13 +52,9 @@ def qa(
     if target is None:
         raise UsageError("Say where the report goes with --out DIR.")
     items = find_items(inputs)
-    with console.stage("qa", len(items)) as tick:
-        result = judge(
-            items,
-            settings,
-            reference=reference,
-            on_judged=lambda judged: tick(rejected=judged.rejection is not None),
-        )
+    result = judge(
+        items, settings, reference=reference, truth=truth, out=target, stage=console.stage
+    )
     report = write_report(result, target, title=title)
     for judged in result.unreadable:
         if judged.rejection:
@@ -60,6 +63,27 @@ def qa(
         f"qa: {len(result.passed)} without a defect, {len(result.failed)} with one, "
         f"{len(result.unreadable)} unreadable"
     )
+    for line in _against(result):
+        console.result(line)
     console.result(f"Report: {report}")
     console.value(result.to_json())
     return 1 if result.unreadable else 0
+
+
+def _against(result: "QaResult") -> list[str]:
+    """What is to be said of truths and of the reference set."""
+    lines = []
+    if result.pairs is not None:
+        compared = [score for score in result.pairs.scores if not score.obstacle]
+        lines.append(
+            f"Pairs: {len(compared)} compared, {len(result.pairs.without_truth)} maps without "
+            f"truth, {len(result.pairs.unused)} truths without a map"
+        )
+    if result.sets is not None:
+        found = result.sets
+        effects = ", ".join(f"{count} {effect}" for effect, count in found.effects.items())
+        lines.append(
+            f"Set of {len(found.augmented)} against {len(found.reference)}, figure by figure: "
+            f"{effects}; {len(found.duplicates)} near-duplicates"
+        )
+    return lines

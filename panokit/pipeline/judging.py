@@ -34,13 +34,7 @@ def judge_run(
     if not maps:
         return BatchResult(stage="qa")
     items = [_item(run, receipt) for receipt in maps]
-    with console.stage("qa", len(items)) as tick:
-        result = qa(
-            items,
-            settings.qa,
-            reference=settings.reference,
-            on_judged=lambda judged: tick(rejected=judged.rejection is not None),
-        )
+    result = qa(items, settings.qa, reference=settings.reference, out=run.qa, stage=console.stage)
     write_report(result, run.qa, title=settings.name, rejections=rejections)
     verdicts = _verdicts(result)
     write_json(

@@ -10,10 +10,13 @@ from panokit.envmap import EnvironmentMap
 from panokit.errors import ItemError, Rejection, UsageError
 from panokit.io import read_environment_map
 from panokit.provenance import Provenance
+from panokit.qa.against import Stage, matches_of, no_stage, pairs_of, set_against
 from panokit.qa.checks import check
 from panokit.qa.comparison import Comparison, compare
 from panokit.qa.distribution import Standing, scale_free_figures, standings
 from panokit.qa.items import QaItem, find_maps
+from panokit.qa.pairs.judging import PairResults
+from panokit.qa.sets.comparing import SetComparison
 from panokit.qa.settings import VERSION, QaSettings
 from panokit.qa.verdicts import Report, Verdict
 
@@ -71,12 +74,16 @@ class QaResult:
         settings: The limits they were held against.
         reference_names: The maps that make the distribution; empty where there is none.
         skipped_references: Reference files that could not be read, and why.
+        sets: The maps as a set beside the reference set; None where there are too few.
+        pairs: The maps beside their truths; None where there is no truth.
     """
 
     maps: tuple[JudgedMap, ...]
     settings: QaSettings = field(default_factory=QaSettings)
     reference_names: tuple[str, ...] = ()
     skipped_references: tuple[Rejection, ...] = ()
+    sets: SetComparison | None = None
+    pairs: PairResults | None = None
 
     @property
     def passed(self) -> tuple[JudgedMap, ...]:
@@ -108,6 +115,8 @@ class QaResult:
             "references": list(self.reference_names),
             "skipped_references": [skipped.to_json() for skipped in self.skipped_references],
             "maps": [judged.to_json() for judged in self.maps],
+            "sets": self.sets and self.sets.to_json(),
+            "pairs": self.pairs and self.pairs.to_json(),
         }
 
 
@@ -116,9 +125,12 @@ def qa(
     settings: QaSettings | None = None,
     *,
     reference: Path | None = None,
+    truth: Path | None = None,
+    out: Path | None = None,
+    stage: Stage = no_stage,
     on_judged: Callable[[JudgedMap], None] | None = None,
 ) -> QaResult:
-    """Judge maps by themselves and against references.
+    """Judge maps by themselves, against their truths, and as a set against a reference set.
 
     A map that cannot be read is a rejection in the result, not an exception.
 
@@ -126,8 +138,13 @@ def qa(
         maps: What to judge.
         settings: The limits.
         reference: A folder of maps. One with the name of a judged map is its truth; the
-            others, if they are enough, make the distribution that each map is placed in.
-        on_judged: Called after each map, for progress.
+            others, if they are enough, make the distribution that each map is placed in; all
+            of them, if they are enough, are the set that the maps are held against as a set.
+        truth: A folder of true maps, by the names of the maps or of their captures; then
+            `reference` gives no truths.
+        out: The report's folder: pictures of pairs and what is known of each map go there.
+        stage: Shows progress; `panokit.console.Console.stage` does.
+        on_judged: Called after each map.
 
     Raises:
         UsageError: If there is nothing to judge, or the folder holds no maps.
@@ -135,22 +152,30 @@ def qa(
     if not maps:
         raise UsageError("There is nothing to judge. Give at least one map.")
     settings = settings or QaSettings()
-    truths, others = _sort_references(maps, reference)
+    others = _other_references(maps, reference)
+    matches = matches_of(maps, reference, truth)
     population, skipped = _measure_references(others)
     if len(population) < settings.reference_count_min:
         population = {}
     judged_maps = []
-    for item in maps:
-        truth = item.truth_path or next((truths[n] for n in _names(item) if n in truths), None)
-        judged = judge_item(item, settings, truth=truth, population=population.values())
-        judged_maps.append(judged)
-        if on_judged:
-            on_judged(judged)
+    with stage("qa", len(maps)) as tick:
+        for item in maps:
+            true_map = matches.truths.get(item.name)
+            judged = judge_item(item, settings, truth=true_map, population=population.values())
+            judged_maps.append(judged)
+            tick(rejected=judged.rejection is not None)
+            if on_judged:
+                on_judged(judged)
+    readable = [judged.item for judged in judged_maps if judged.rejection is None]
+    least = settings.reference_count_min
+    sets = set_against(readable, reference, least, out, stage) if reference else None
     return QaResult(
         maps=tuple(judged_maps),
         settings=settings,
         reference_names=tuple(population),
         skipped_references=skipped,
+        sets=sets,
+        pairs=pairs_of(readable, matches, settings, out, stage),
     )
 
 
@@ -193,20 +218,17 @@ def _compare_with(envmap: EnvironmentMap, truth: Path, settings: QaSettings) -> 
     return compare(envmap, reference, settings, path=truth)
 
 
-def _sort_references(
-    maps: Sequence[QaItem], reference: Path | None
-) -> tuple[dict[str, Path], dict[str, Path]]:
-    """The reference files that are a judged map's truth, and all others."""
+def _other_references(maps: Sequence[QaItem], reference: Path | None) -> dict[str, Path]:
+    """The reference files that are of other places than the judged maps."""
     if reference is None:
-        return {}, {}
+        return {}
     if not reference.is_dir():
         raise UsageError(f"There is no folder {reference} of reference maps.")
     found = find_maps(reference)
     if not found:
         raise UsageError(f"There are no .exr or .hdr maps in {reference} to compare with.")
     judged = {name for item in maps for name in _names(item)}
-    truths = {name: path for name, path in found.items() if name in judged}
-    return truths, {name: path for name, path in found.items() if name not in judged}
+    return {name: path for name, path in found.items() if name not in judged}
 
 
 def _names(item: QaItem) -> tuple[str, ...]:

@@ -21,6 +21,7 @@ from panokit.qa.pairs.scoring import (
     scores_of,
     summaries,
 )
+from panokit.qa.sets.members import manifest_rows
 from panokit.qa.settings import QaSettings
 
 SCHEMA = "panokit.pairs/1"
@@ -93,8 +94,9 @@ class PairResults:
 def match_truths(items: Sequence[QaItem], folder: Path) -> Matches:
     """Find the truth of each map in a folder.
 
-    A truth belongs to a map if its file or the capture in its record has the map's name, or the
-    id or key of the map's capture. A map or a truth without the other is told of, and no error.
+    A truth belongs to a map if its file, its name in the folder's manifest.csv or the capture in
+    its record has the map's name, or the id or key of the map's capture. A map or a truth
+    without the other is told of, and no error.
 
     Raises:
         UsageError: If the folder does not exist or holds no maps.
@@ -105,18 +107,21 @@ def match_truths(items: Sequence[QaItem], folder: Path) -> Matches:
     files = find_maps(folder)
     if not files:
         raise UsageError(f"There are no .exr or .hdr maps in {folder} to compare with.")
-    by_capture = {
-        name: path
+    rows = manifest_rows(folder)
+    by_manifest = {
+        row["name"]: path
         for path in files.values()
-        if (capture := _capture_of(path)) is not None
-        for name in (capture.id, capture.key)
+        if (row := rows.get(path.name)) is not None and row.get("name")
     }
+    called = {name for item in items for name in _names(item)}
+    named = {path for known in (files, by_manifest) for n, path in known.items() if n in called}
+    by_capture = _by_capture([path for path in files.values() if path not in named])
     truths = {}
     for item in items:
         found = item.truth_path or next(
             (
                 known[name]
-                for known in (files, by_capture)
+                for known in (files, by_manifest, by_capture)
                 for name in _names(item)
                 if name in known
             ),
@@ -208,6 +213,16 @@ def _names(item: QaItem) -> tuple[str, ...]:
     if item.capture is None:
         return (item.name,)
     return (item.name, item.capture.id, item.capture.key)
+
+
+def _by_capture(paths: Sequence[Path]) -> dict[str, Path]:
+    """Truths by the id and key of their capture, where only one of them has it."""
+    found: dict[str, list[Path]] = {}
+    for path in paths:
+        capture = _capture_of(path)
+        for name in {capture.id, capture.key} if capture else ():
+            found.setdefault(name, []).append(path)
+    return {name: of_one[0] for name, of_one in found.items() if len(of_one) == 1}
 
 
 def _capture_of(path: Path) -> Capture | None:

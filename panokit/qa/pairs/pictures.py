@@ -3,15 +3,17 @@
 The scenes are lit by precomputed transport, so that both pictures differ by the light alone.
 """
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from panokit.color import luminance, srgb_encode
 from panokit.io.images import encode_jpeg
 from panokit.metrics.transport import relight
+from panokit.metrics.transport.scenes import PLANE
 from panokit.qa.pairs.aligning import AlignedPair
 
-SCENES = ("diffuse", "glossy-0.3", "mirror", "plane")
+SCENES = ("diffuse", "glossy-0.3", "mirror", PLANE)
 COLUMNS = ("truth", "estimate", "difference")
 TILE_PX = 128
 # The light of a scene's brighter parts in the truth becomes this display-linear value.
@@ -71,7 +73,16 @@ def _row(pair: AlignedPair, scene: str) -> NDArray[np.uint8]:
 
 def _lit(radiance: NDArray[np.float32], scene: str) -> NDArray[np.float32]:
     """A scene of `TILE_PX`, RGBA."""
-    return relight(np.ascontiguousarray(radiance, np.float32), scene, TILE_PX)
+    # The scene on the plane has one size only.
+    size_px = None if scene == PLANE else TILE_PX
+    picture = relight(np.ascontiguousarray(radiance, np.float32), scene, size_px)
+    if len(picture) == TILE_PX:
+        return picture
+    picture[..., :3] *= picture[..., 3:]
+    picture = cv2.resize(picture, (TILE_PX, TILE_PX), interpolation=cv2.INTER_CUBIC)
+    alpha = np.clip(picture[..., 3:], 0, 1)
+    color = np.maximum(picture[..., :3], 0) / np.maximum(alpha, 1e-6)
+    return np.asarray(np.concatenate([color, alpha], axis=-1), np.float32)
 
 
 def _shown(picture: NDArray[np.float32], exposure: float) -> NDArray[np.uint8]:

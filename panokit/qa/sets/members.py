@@ -46,7 +46,7 @@ def members_of(folder: Path) -> list[Member]:
         RecordError: If the manifest is damaged.
         StorageError: If the folder cannot be read.
     """
-    rows = _manifest(folder / _MANIFEST)
+    rows = manifest_rows(folder)
     found = []
     for name, path in find_maps(folder).items():
         row = rows.get(path.name) or rows.get(name) or {}
@@ -92,8 +92,13 @@ def groups_of(augmented: Sequence[Member], reference: Sequence[Member]) -> TwoSe
     return two_sets(names[: len(augmented)], names[len(augmented) :])
 
 
-def _manifest(path: Path) -> dict[str, dict[str, str]]:
-    """The rows of a manifest by file and by name; empty if there is none."""
+def manifest_rows(folder: Path) -> dict[str, dict[str, str]]:
+    """The rows of a folder's manifest.csv by name and by file; empty if there is none.
+
+    Raises:
+        RecordError: If it is damaged.
+    """
+    path = folder / _MANIFEST
     if not path.is_file():
         return {}
     try:
