@@ -1,0 +1,81 @@
+"""Runs of the evaluator: complete, resumed, never twice; controls; memory."""
+
+import json
+
+import numpy as np
+import pytest
+
+from panokit.errors import UsageError
+from panokit.evaluate.lighting.baselines import AmbientColor, MeanMap, TrainingMaps
+from panokit.evaluate.lighting.controls import CONTROLS
+from panokit.evaluate.lighting.run import (
+    RESULTS,
+    evaluate_lighting,
+    memorization,
+    read_results,
+    summaries,
+)
+
+
+class Counting(AmbientColor):
+    name = "counting"
+
+    def __init__(self):
+        self.calls = 0
+
+    def predict(self, sample):
+        self.calls += 1
+        return super().predict(sample)
+
+
+def test_a_run_goes_on_where_it_stopped(samples, tmp_path):
+    predictor = Counting()
+    evaluate_lighting([predictor], samples[:2], tmp_path)
+    whole = (tmp_path / RESULTS).read_text()
+    (tmp_path / RESULTS).write_text(whole + whole.splitlines()[0][:40])  # cut off by a kill
+    results = evaluate_lighting([predictor, AmbientColor()], samples[:3], tmp_path)
+    assert predictor.calls == 3
+    assert len(results) == 6
+    pairs = [(r.predictor, r.key) for r in read_results(tmp_path)]
+    assert len(set(pairs)) == len(pairs) == 6
+
+
+def test_a_line_says_who_what_and_where(samples, tmp_path):
+    evaluate_lighting([AmbientColor()], samples[:1], tmp_path)
+    line = json.loads((tmp_path / RESULTS).read_text())
+    assert line["predictor"] == "ambient color"
+    assert line["place"].startswith("place")
+    assert line["scores"]["thesis-dssim"] >= 0
+
+
+def test_summaries_are_per_predictor(samples, tmp_path):
+    training = TrainingMaps(s.truth for s in samples)
+    found = evaluate_lighting([AmbientColor(), MeanMap(training)], samples, tmp_path)
+    table = summaries(found, "light-vector")
+    assert set(table) == {"ambient color", "mean map"}
+    assert all(row.n == 6 for row in table.values())
+
+
+def test_two_of_one_name_are_refused(samples, tmp_path):
+    with pytest.raises(UsageError, match="one name"):
+        evaluate_lighting([AmbientColor(), AmbientColor()], samples, tmp_path)
+
+
+def test_controls_change_the_second_view_alone(samples):
+    sample = samples[0]
+    one = CONTROLS["right is left"](sample, samples)
+    np.testing.assert_array_equal(one.views.right, sample.views.left)
+    np.testing.assert_array_equal(one.views.left, sample.views.left)
+    other = CONTROLS["exchanged"](sample, samples)
+    np.testing.assert_array_equal(other.views.left_object, sample.views.right_object)
+    stranger = CONTROLS["right of another"](sample, samples)
+    assert any(np.array_equal(stranger.views.right, s.views.right) for s in samples[1:])
+    assert all(np.array_equal(c.truth, sample.truth) for c in (one, other, stranger))
+
+
+def test_memory_is_told_from_sight():
+    rng = np.random.default_rng(0)
+    training = rng.lognormal(0, 1, (5, 64, 64, 3))
+    truths = rng.lognormal(0, 1, (4, 64, 64, 3))
+    assert memorization(training[:4], truths, training) == 1
+    assert memorization(truths * 1.01, truths, training) == 0
