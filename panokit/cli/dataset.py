@@ -204,8 +204,8 @@ def _tell_estimate(found: "Estimate", console: Console) -> None:
         console.result(f"rejected: {reasons}")
     rate = sum(found.splits.values()) / found.seconds * 3600
     console.result(
-        f"time:     {duration_text(found.seconds)} with {found.workers} workers on as many free "
-        f"cores, {rate:,.0f} samples/h"
+        f"time:     {duration_text(found.seconds)} with {found.workers} workers on free cores: "
+        f"{rate:,.0f} samples/h"
     )
     room = "" if found.fits else ": THEY DO NOT FIT"
     console.result(
@@ -214,22 +214,23 @@ def _tell_estimate(found: "Estimate", console: Console) -> None:
 
 
 def _tell(result: "RenderResult", console: Console) -> int:
-    made = f"{result.made} made now" if result.made else "nothing to do"
+    console.result(f"{result.samples} samples in {result.folder} ({size_text(result.bytes)})")
     if result.made:
         rate = result.made / max(result.seconds, 1e-3) * 3600
-        each = result.cpu_s / result.made
-        made += f" in {duration_text(result.seconds)}, {rate:,.0f} an hour, {each:.2f} CPU-s each"
-    console.result(
-        f"{result.samples} samples in {result.folder} ({size_text(result.bytes)}); {made}"
-    )
+        console.result(
+            f"{result.made} made now in {duration_text(result.seconds)}: {rate:,.0f} an hour, "
+            f"{result.cpu_s / result.made:.2f} s of processor each"
+        )
+    else:
+        console.result("nothing to do")
     if result.rejected:
         reasons = sorted(result.rejected.items(), key=lambda item: -item[1])
         told = ", ".join(f"{n} {reason}" for reason, n in reasons)
         console.result(f"attempts rejected and drawn anew: {told}")
     if result.missing:
         console.result(
-            f"{len(result.missing)} samples could not be made: see failures.jsonl there; "
-            "--retry-missing tries them again"
+            f"{len(result.missing)} could not be made: see failures.jsonl there; "
+            "--retry-missing tries again"
         )
     console.value(
         {

@@ -9,7 +9,7 @@ import sys
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from itertools import count
+from itertools import count, takewhile
 from pathlib import Path
 
 from cyclopts import App, CycloptsError, Parameter
@@ -71,6 +71,7 @@ _GROUPS = {
         },
     ),
 }
+_TYPES = {"int", "float", "str", "bool", "none"}
 _INTERRUPTED = 130
 _TERMINATED = 143
 _BROKEN_PIPE = 141
@@ -167,7 +168,9 @@ def _usage_text(error: CycloptsError) -> str:
     if isinstance(cause, ValidationError):
         first = cause.errors()[0]
         # Of a field that takes several types, the location also names the type that was tried.
-        option = "--" + str(first["loc"][0]).replace("_", "-") if first["loc"] else ""
+        parts = map(str, first["loc"])
+        names = takewhile(lambda part: part.isidentifier() and part not in _TYPES, parts)
+        option = "--" + ".".join(names).replace("_", "-") if first["loc"] else ""
         said = first["msg"].removeprefix("Value error, ")
         message = said[0].lower() + said[1:]
         return f"{option} {first['input']}: {message}." if option else f"{message}."
