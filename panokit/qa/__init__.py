@@ -2,8 +2,16 @@
 
 settings      every threshold
 verdicts      figures, limits, verdicts, and the report of one map
+measurements  what several checks need of a map, worked out once
 radiometry    energy, dynamic range, clipping
+encoding      whether values are linear: contrast
+sources       lights and ambient light, what expansion did to them, a sun seen twice
+daylight      what is up and what is blue
 geometry      the wrap seam and the poles
+tilt          upright lines and the horizon
+content       sharpness, holes, empty areas
+sunlight      the map's sun against the sky's, with sun_hypotheses on what may be wrong
+plausibility  the map among captured maps, those of reference_set
 checks        the table of checks; `check` and `judge`
 comparison    a map against the map it should be
 distribution  a map among maps of other places

@@ -1,7 +1,7 @@
 """Figures, limits and verdicts of one map."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
@@ -27,6 +27,8 @@ class Check:
         low: The least value that passes, or None.
         high: The largest value that passes, or None.
         meaning: What the figure says, in one plain sentence.
+        family: What it is about: "geometry", "radiometry", "content", "sun" or "plausibility".
+        note: Why there is no figure, or what this one points to; it has no part in the verdict.
     """
 
     name: str
@@ -35,6 +37,8 @@ class Check:
     low: float | None = None
     high: float | None = None
     meaning: str = ""
+    family: str = ""
+    note: str = field(default="", compare=False)
 
     @property
     def verdict(self) -> Verdict:
@@ -50,11 +54,13 @@ class Check:
         """A dictionary for `json.dump`."""
         return {
             "name": self.name,
+            "family": self.family,
             "value": self.value,
             "unit": self.unit,
             "low": self.low,
             "high": self.high,
             "verdict": str(self.verdict),
+            "note": self.note,
         }
 
 
@@ -86,6 +92,11 @@ class Report:
     def values(self) -> dict[str, float | None]:
         """Name -> figure."""
         return {check.name: check.value for check in self.checks}
+
+    @property
+    def notes(self) -> dict[str, str]:
+        """Name -> note, of the checks that have one."""
+        return {check.name: check.note for check in self.checks if check.note}
 
     def to_json(self) -> dict[str, Any]:
         """A dictionary for `json.dump`."""

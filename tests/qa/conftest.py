@@ -1,4 +1,7 @@
-"""A light map with a sky, a ground, texture and a sun: smooth on the sphere, so undamaged."""
+"""A light map with a sky, a ground, texture and a sun: smooth on the sphere, so undamaged.
+
+Grain near the horizon makes it as sharp as a picture; at the poles it would be a pinwheel.
+"""
 
 import numpy as np
 import pytest
@@ -21,11 +24,14 @@ def make_map():
         texture = 0.03 * (np.sin(9 * x + 4 * z) + np.sin(13 * z - 5 * y) + np.sin(21 * x * z))
         toward = direction_from_azimuth_elevation(np.deg2rad(azimuth_deg), np.deg2rad(35))
         glow = np.exp((directions @ toward - 1) * 4000)[..., None]
-        radiance = (
+        grain = np.random.default_rng(1).normal(1, 0.02, (width // 2, width, 1))
+        grain[np.abs(y) > 0.8] = 1
+        radiance = grain * (
             sky * np.array([0.35, 0.5, 0.8])
             + (1 - sky) * np.array([0.2, 0.17, 0.13]) * (1 + texture[..., None])
             + glow * sun
-        ).astype(np.float32)
+        )
+        radiance = radiance.astype(np.float32)
         capture = Capture(
             provider="panoramax",
             id=key,

@@ -70,7 +70,7 @@ def test_enough_references_of_other_names_make_a_distribution(folder, tmp_path, 
     assert result.reference_names == ("r0", "r1", "r2", "r3", "r4")
     assert [skipped.item for skipped in result.skipped_references] == ["broken"]
     haze, noon = ({s.name: s.percentile for s in j.standings} for j in result.maps)
-    assert haze["dynamic-range"] < noon["dynamic-range"]
+    assert haze["top-share"] < noon["top-share"]
 
 
 def test_a_folder_without_references_says_so(folder, tmp_path):
