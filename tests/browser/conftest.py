@@ -16,7 +16,12 @@ from panokit.envmap import Anchor, EnvironmentMap
 from panokit.sphere import equirect_directions
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
-ARGUMENTS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")  # fmt: skip
+ARGUMENTS = (
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--no-sandbox",
+)
 # Ahead, to the right, behind, to the left, above.
 PATCHES = (
     ((0, 0, -1), (0.5, 0.02, 0.02)),

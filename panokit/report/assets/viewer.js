@@ -103,6 +103,8 @@ class Viewer {
     flat.hidden = false;
     this.stage.classList.add("fallen");
     byId("controls").hidden = true;
+    // The picture that had the focus is gone; keys must still reach the dialog.
+    if (!this.dialog.contains(document.activeElement) || document.activeElement === this.canvas) byId("viewer-side").focus();
   }
 
   thumbnail() {
@@ -129,6 +131,7 @@ class Viewer {
     byId("compare-row").hidden = !others.length;
     this.canvas.setAttribute("aria-label", `${entry.name}, view of the light map`);
     byId("stage-message").hidden = true;
+    byId("controls").hidden = false;
     byId("stage-picture").hidden = true;
     this.stage.classList.remove("fallen");
     this.showControls();
