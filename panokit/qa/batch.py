@@ -201,7 +201,7 @@ def judge_item(
         return JudgedMap(item=item, rejection=rejection, capture=item.capture)
     return JudgedMap(
         item=item,
-        report=check(envmap, settings),
+        report=check(envmap, settings, capture=item.capture),
         comparison=_compare_with(envmap, truth, settings) if truth else None,
         standings=standings(scale_free_figures(envmap), population),
         capture=item.capture or envmap.capture,

@@ -8,8 +8,8 @@ from panokit.qa.measurements import Finding, Measurements, absent
 from panokit.sphere import row_solid_angles
 
 # The finest detail that a picture can hold, and detail twice as coarse.
-_FINEST = np.array([1, -4, 6, -4, 1], np.float32) / 16
-_COARSER = np.array([-1, 0, 2, 0, -1], np.float32) / 4
+_FINEST = np.array([1, -4, 6, -4, 1], np.float32) / np.float32(16)
+_COARSER = np.array([-1, 0, 2, 0, -1], np.float32) / np.float32(4)
 # Where detail is fainter than this many stops there is only noise; where it is stronger, an edge
 # between light and dark says more of the scene than of the picture.
 _CONTRAST_STOPS = (0.01, 0.25)

@@ -80,7 +80,7 @@ def _sky_over_ground(measured: Measurements) -> float:
     """By how many stops the median of the upper half is over that of the lower one."""
     light = measured.small_luminance
     middle = light.shape[0] // 2
-    tiny = np.finfo(np.float32).tiny
+    tiny = float(np.finfo(np.float32).tiny)
     above, below = (max(float(np.median(part)), tiny) for part in (light[:middle], light[middle:]))
     return float(np.log2(above) - np.log2(below))
 
