@@ -179,8 +179,10 @@ def _examples_of(
     rows = []
     for k in range(shots + wide):
         camera = TRAINING_CAMERA if k < shots else WIDE_CAMERA
-        turned = _tilted([radiance, ceiling], recipe.tilt_deg, first + k)
-        rows.append(_example(turned[0], camera, first + k, turned[1]))
+        turn = _tilt(recipe.tilt_deg, first + k)
+        light = rotate_radiance(radiance, turn) if turn else radiance
+        limit = rotate_radiance(ceiling, turn) if turn and ceiling is not None else ceiling
+        rows.append(_example(light, camera, first + k, limit))
     for k in range(mixed if source.kind == "probe" else 0):
         camera = WIDE_CAMERA if k % MIXED_PER_WIDE == MIXED_PER_WIDE - 1 else TRAINING_CAMERA
         rows.append(_example(_mixed(index, probes, k), camera, 500_000 + first + k))
@@ -196,17 +198,14 @@ def _at_ceiling(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
     return (highest >= CEILING * highest.max()).astype(np.float32)
 
 
-def _tilted(
-    maps: list[NDArray[np.float32] | None], limit_deg: float, seed: int
-) -> list[NDArray[np.float32] | None]:
-    """Maps tilted alike about a random level axis, with their energy kept."""
+def _tilt(limit_deg: float, seed: int) -> Rotation | None:
+    """A tilt about a random level axis; None where none is asked for."""
     if limit_deg <= 0:
-        return maps
+        return None
     random = np.random.default_rng([seed, 0x74696C74])
     azimuth = random.uniform(-np.pi, np.pi)
     axis = [np.cos(azimuth), 0.0, np.sin(azimuth)]
-    turn = Rotation.about_axis(axis, np.radians(random.uniform(-limit_deg, limit_deg)))
-    return [None if each is None else rotate_radiance(each, turn) for each in maps]
+    return Rotation.about_axis(axis, np.radians(random.uniform(-limit_deg, limit_deg)))
 
 
 def _mixed(index: int, probes: list[TrainingProbe], number: int) -> NDArray[np.float32]:

@@ -57,9 +57,9 @@ def train_folds(
     """
     recipe = read_recipe(recipe_path)
     if fold_members is not None:
-        network = recipe.network.model_copy(update={"members": fold_members})
+        grid = recipe.network.model_copy(update={"members": fold_members})
         components = recipe.components.model_copy(update={"members": fold_members})
-        recipe = recipe.model_copy(update={"network": network, "components": components})
+        recipe = recipe.model_copy(update={"network": grid, "components": components})
     probes = read_probes(probes_folder)
     check_rights(probes, own_right)
     folds = assign_folds(probes, FOLDS)

@@ -61,10 +61,12 @@ class GridLoss:
         cells = torch.zeros_like(share) if ceiling is None else (ceiling[:, None] > 0).float()
         bound = cells.amax(dim=(1, 2, 3))
         guess, true = guess_clear + guess_burnt, true_clear + true_burnt
-        color = sum(
-            light_loss(self._project(guess[:, c]), self._project(true[:, c]), bound=bound)
-            for c in range(3)
-        )
+        color = torch.stack(
+            [
+                light_loss(self._project(guess[:, c]), self._project(true[:, c]), bound=bound)
+                for c in range(3)
+            ]
+        ).sum()
         return {
             "burnt": self._burnt_detail(guess_burnt, true_burnt, share, cells),
             "clear": self._clear_detail(guess_clear, true_clear, share),

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 from pickle import UnpicklingError
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import torch
@@ -12,16 +12,8 @@ from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from panokit.errors import ModelError
 from panokit.io.files import atomic_write
+from panokit.train.recipe import ComponentRecipe, NetworkRecipe
 from panokit.train.team import Team
-
-
-class Schedule(Protocol):
-    """What the recipes of all kinds of network say of their steps."""
-
-    steps: int
-    learning_rate: float
-    weight_decay: float
-    ema_decay: float
 
 
 @dataclass(slots=True, eq=False)
@@ -117,7 +109,9 @@ class Run:
         self.network.cpu().eval()
 
 
-def start(network: nn.Module, recipe: Schedule, team: Team, *, seed: int) -> Run:
+def start(
+    network: nn.Module, recipe: NetworkRecipe | ComponentRecipe, team: Team, *, seed: int
+) -> Run:
     """A network at its first step: AdamW, the learning rate falling to zero on a cosine."""
     network = network.to(team.device)
     optimizer = torch.optim.AdamW(
