@@ -147,3 +147,10 @@ def use_one_thread() -> None:
     import drjit
 
     drjit.set_thread_count(1)
+
+
+def evaluate_together(arrays: list[Any]) -> None:
+    """Compute arrays of Mitsuba's that depend on the same work in one go."""
+    import drjit
+
+    drjit.eval(*arrays)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from panokit.dataset.renderers.mitsuba_paths import touched_pixels, trace
 from panokit.dataset.renderers.mitsuba_scene import (
     MOST_PARTS,
     Camera,
@@ -31,6 +32,8 @@ _SAMPLER = {"type": "multijitter"}
 _CENTER = {"type": "stratified", "jitter": False, "sample_count": 1}
 _GUIDES = "normal:sh_normal,flat:geo_normal,place:position,albedo:albedo,part:shape_index"
 _FAR_M = 10.0
+# Dim paths are given up at random from this bounce on: an eighth of the work less.
+_ROULETTE = 2
 
 
 class MitsubaRenderer:
@@ -86,21 +89,11 @@ class MitsubaRenderer:
         camera = _camera(width_px, width_px, "orthographic")
         camera.aim_straight(_FAR_M)
         # A sphere does not see itself: light is reflected once.
-        seen = self._traced(ball, camera, quality.samples, 1, seed % 2**32)
         across = (np.arange(width_px) + 0.5) / width_px * 2 - 1
         inside = across**2 + across[:, None] ** 2 < 1
+        seen = trace(ball.scene, camera, _integrator(1), quality.samples, seed % 2**32, inside)
         whole = seen[..., :3] / np.maximum(seen[..., 3:], 1e-6)
         return np.where(inside[..., None], whole, 0).astype(np.float32)
-
-    def _traced(
-        self, scene: LoadedScene, camera: Camera, samples: int, bounces: int, seed: int
-    ) -> Picture:
-        """(H, W, 4) premultiplied radiance and coverage."""
-        integrator = _integrator(bounces)
-        picture = self._mitsuba.render(
-            scene.scene, sensor=camera.sensor, integrator=integrator, spp=samples, seed=seed
-        )
-        return np.array(picture, np.float32)
 
     def _passes(
         self,
@@ -114,18 +107,21 @@ class MitsubaRenderer:
         camera = _camera(view.width_px, view.height_px, "perspective")
         camera.aim(view)
         guides = self._guides(alone, scene, view)
+        paths = (camera, _integrator(quality.bounces), quality.samples, seed)
+        touched = touched_pixels(scene.mesh, view)
         shadow = None
         if standing is None or scene.floor_m is None:
-            traced = self._traced(alone, camera, quality.samples, quality.bounces, seed)
+            traced = trace(alone.scene, *paths, touched)
             radiance, coverage = traced[..., :3], traced[..., 3]
         else:
-            coverage = self._traced(alone, camera, quality.samples, 0, seed)[..., 3]
-            both = self._traced(standing, camera, quality.samples, quality.bounces, seed)
+            everywhere = np.ones_like(touched)
+            coverage = trace(alone.scene, camera, _integrator(0), *paths[2:], touched)[..., 3]
+            both = trace(standing.scene, *paths, everywhere)
             empty = loaded_scene(floor=True, bare=True)
             _lay_floor(empty, scene)
             empty.set_light(scene.light)
             empty.update()
-            bare = self._traced(empty, camera, quality.samples, 1, seed)
+            bare = trace(empty.scene, camera, _integrator(1), *paths[2:], everywhere)
             shadow, behind = _shadow(both, bare, coverage)
             radiance = np.maximum(both[..., :3] - behind * (1 - coverage[..., None]), 0)
             radiance[coverage == 0] = 0
@@ -223,7 +219,7 @@ def _camera(width_px: int, height_px: int, kind: str, centered: bool = False) ->
 @lru_cache(maxsize=8)
 def _integrator(bounces: int) -> Any:
     return load_mitsuba().load_dict(
-        {"type": "path", "max_depth": bounces + 1, "rr_depth": 99, "hide_emitters": True}
+        {"type": "path", "max_depth": bounces + 1, "rr_depth": _ROULETTE, "hide_emitters": True}
     )
 
 

@@ -27,6 +27,7 @@ _FLOOR_SIDE_M = 40.0
 _LOBES = ("roughness", "metallic", "sheen", "clearcoat", "clearcoat_gloss", "flatness")
 # Below this a mirror-like lobe becomes a point that no random direction meets.
 _SMOOTHEST = 0.03
+_ALIGNMENT = 64
 
 
 class LoadedScene:
@@ -131,8 +132,8 @@ class LoadedScene:
         faces = np.arange(3 * len(corners), dtype=np.uint32)
         values = (("vertex_positions", corners), ("vertex_normals", normals))
         for key, array in (*values, ("vertex_texcoords", places)):
-            self._parameters[f"{name}.{key}"] = mitsuba.Float(np.ascontiguousarray(array).ravel())
-        self._parameters[f"{name}.faces"] = mitsuba.UInt32(faces)
+            self._parameters[f"{name}.{key}"] = mitsuba.Float(in_line(array))
+        self._parameters[f"{name}.faces"] = mitsuba.UInt32(in_line(faces))
 
     def set_floor(self, height_m: float, middle: NDArray[np.floating[Any]]) -> None:
         """Lay the floor level at this height, around a place."""
@@ -149,12 +150,15 @@ class LoadedScene:
             root = f"part{index}.bsdf.brdf_0"
             for lobe in _LOBES:
                 lowest = _SMOOTHEST if lobe == "roughness" else OFF
-                self._parameters[f"{root}.{lobe}.value"] = max(getattr(material, lobe), lowest)
-            self._parameters[f"{root}.specular"] = max(material.specular, OFF)
+                self._parameters[f"{root}.{lobe}.value"] = _number(
+                    max(getattr(material, lobe), lowest)
+                )
+            self._parameters[f"{root}.specular"] = _number(max(material.specular, OFF))
             if self._textured:
                 self._parameters[f"{root}.base_color.data"] = _picture(material)
             else:
-                self._parameters[f"{root}.base_color.value"] = list(material.base_color)
+                color = [_number(value) for value in material.base_color]
+                self._parameters[f"{root}.base_color.value"] = load_mitsuba().Color3f(*color)
 
     def update(self) -> None:
         """Let all changes take effect."""
@@ -162,6 +166,28 @@ class LoadedScene:
         # Mitsuba 3.9 tells the map how large the scene is before it measures the scene anew, so
         # that shadow rays would be as long as the last sample's object needs.
         self.scene.parameters_changed([])
+
+
+def _number(value: float) -> Any:
+    """A number kept in memory: as a literal it would be compiled into the kernel."""
+    mitsuba = load_mitsuba()
+    if mitsuba.variant().startswith("scalar"):
+        return value
+    return mitsuba.Float(in_line(np.array([value], np.float32)))
+
+
+def in_line(array: NDArray[Any]) -> NDArray[Any]:
+    """A copy that is flat and starts at a multiple of 64 bytes.
+
+    Mitsuba works on the memory of a numpy array where it lies, and compiles kernels for how it
+    is aligned, which is a matter of luck.
+    """
+    size = array.nbytes
+    room = np.empty(size + _ALIGNMENT, np.uint8)
+    start = -room.ctypes.data % _ALIGNMENT
+    copy = room[start : start + size].view(array.dtype)
+    copy[:] = array.ravel()
+    return copy
 
 
 def _picture(material: Material) -> NDArray[np.float32]:
