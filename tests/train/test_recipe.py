@@ -5,7 +5,13 @@ import pytest
 from panokit.errors import SettingsError, StorageError
 from panokit.shipped import shipped_path
 from panokit.train.expandnet_recipe import ExpandNetRecipe
-from panokit.train.recipe import DataRecipe, Recipe, architecture_of, read_recipe
+from panokit.train.recipe import (
+    EMBEDDED_SEED,
+    DataRecipe,
+    Recipe,
+    architecture_of,
+    read_recipe,
+)
 
 
 def write(folder: Path, text: str) -> Path:
@@ -67,3 +73,13 @@ def test_synthetic_light_is_a_table_of_the_data(tmp_path: Path):
     assert synthetic is not None and (synthetic.places, synthetic.share) == (8, 0.3)
     with pytest.raises(SettingsError, match=r"data\.synthetic\.share"):
         read_recipe(write(tmp_path, 'id = "x"\n[data.synthetic]\nshare = 1.0\n'))
+
+
+def test_the_city_that_is_judged_by_is_never_trained_with(tmp_path: Path):
+    from panokit.synthetic import embedded_city
+
+    ids = [picture.capture.id for picture in embedded_city()]
+    assert all(f"-{EMBEDDED_SEED}-" in name for name in ids)
+    text = f'id = "x"\n[data.synthetic]\nplaces = 1\nseed = {EMBEDDED_SEED}\n'
+    with pytest.raises(SettingsError, match="judged by"):
+        read_recipe(write(tmp_path, text))
