@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from panokit.cli.main import build_app
+from panokit.dataset import ProductionSettings, render_dataset
 from panokit.io import write_bytes, write_environment_map, write_panorama
 from panokit.io.captures import StoredCapture, write_capture
 from panokit.io.files import sha256_of_bytes
 from panokit.io.images import encode_jpeg
+from tests.dataset.fake import FakeMaker
 
 ROOT = Path(__file__).parent.parent
 PAGES = [
@@ -55,8 +57,16 @@ def test_every_command_line_parses(page, line):
     build_app().parse_args(tokens, exit_on_error=False, print_error=True)
 
 
+@pytest.fixture(scope="session")
+def stereo(tmp_path_factory):
+    """A tiny stereo dataset."""
+    out = tmp_path_factory.mktemp("docs") / "stereo-10k"
+    render_dataset(FakeMaker(), out, ProductionSettings(count=40, workers=0))
+    return out
+
+
 @pytest.fixture
-def workspace(tmp_path, monkeypatch, street, sunny, capture):
+def workspace(tmp_path, monkeypatch, street, sunny, capture, stereo):
     """The files that the examples speak of."""
     large = street.pixels.repeat(4, axis=0).repeat(4, axis=1)
     panorama = street.with_changes(pixels=np.ascontiguousarray(large))
@@ -69,6 +79,7 @@ def workspace(tmp_path, monkeypatch, street, sunny, capture):
     write_bytes(folder / "image.jpg", data)
     files = {"image.jpg": sha256_of_bytes(data)}
     write_capture(StoredCapture(folder=folder, capture=capture, files=files))
+    (tmp_path / "stereo-10k").symlink_to(stereo)
     monkeypatch.chdir(tmp_path)
 
 

@@ -23,6 +23,7 @@ HEAVY = ("numpy", "cv2", "torch", "onnxruntime", "mitsuba", "matplotlib", "distr
         "from panokit.cli.main import main; main(['--help'])",
         "from panokit.cli.main import main; main(['expand', '--help'])",
         "from panokit.cli.main import main; main(['fetch', '--help'])",
+        "from panokit.cli.main import main; main(['dataset', 'render', '--help'])",
         "import panokit.pipeline.settings",
     ],
 )

@@ -26,7 +26,7 @@ _MOST_PROBLEMS = 20
 
 def render(
     *,
-    probes: list[Path],
+    probes: Annotated[list[Path], Parameter(consume_multiple=True)],
     out: Path,
     settings_file: Annotated[Path | None, Parameter(name="--settings")] = None,
     production: Annotated[ProductionSettings, _Flat] = ProductionSettings(),

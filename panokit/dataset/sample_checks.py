@@ -84,11 +84,11 @@ def check_views(values: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
         Member, reason and message.
     """
     for side in ("left", "right"):
-        mask = values.get(f"{side}_mask.png")
-        normal = values.get(f"{side}_normal.exr")
-        depth = values.get(f"{side}_depth.exr")
-        if any(not isinstance(one, np.ndarray) for one in (mask, normal, depth)):
+        names = (f"{side}_mask.png", f"{side}_normal.exr", f"{side}_depth.exr")
+        pictures = [value for name in names if isinstance(value := values.get(name), np.ndarray)]
+        if len(pictures) < len(names):
             continue
+        mask, normal, depth = pictures
         if not mask.shape == normal.shape[:2] == depth.shape:
             continue  # told by `check_member`
         if not mask.any():

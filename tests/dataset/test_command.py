@@ -4,9 +4,12 @@ import json
 
 import pytest
 
+from panokit.cli.dataset import _settled
 from panokit.cli.main import main
+from panokit.dataset.production import ProductionSettings
 from panokit.dataset.read import StereoDataset
 from panokit.dataset.settings import DatasetSettings
+from panokit.shipped import shipped_path
 
 SMALL = (
     "--samples", "4", "--rig.width-px", "32", "--objects.per-kind", "3",
@@ -117,6 +120,17 @@ def test_settings_from_a_file_with_what_is_typed_in_their_place(library, tmp_pat
     assert "line 2: there is no setting 'rig.widht_px'. Did you mean 'width_px'?" in (
         capsys.readouterr().err
     )
+
+
+@pytest.mark.parametrize(
+    "path", sorted(shipped_path("pipelines/datasets").glob("*.toml")), ids=lambda path: path.name
+)
+def test_the_recipes_that_are_shipped_load(path):
+    production, settings = _settled(path, ProductionSettings(), DatasetSettings())
+    assert production.count >= 10_000
+    assert settings.validation_share > 0
+    typed, _ = _settled(path, ProductionSettings(count=5), DatasetSettings())
+    assert (typed.count, typed.shard_samples) == (5, production.shard_samples)
 
 
 @pytest.mark.parametrize(

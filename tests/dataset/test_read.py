@@ -9,6 +9,7 @@ import pytest
 from panokit.dataset.decode import decode_exr, decode_member, decode_png
 from panokit.dataset.members import exr_bytes
 from panokit.dataset.read import StereoDataset
+from panokit.dataset.sampling import ShardSampler
 from panokit.errors import ImageError, RecordError, StorageError, UsageError
 from panokit.io.images import encode_png
 from tests.dataset.conftest import COUNT, SHARD
@@ -99,13 +100,13 @@ def test_a_shard_that_shrank_is_told(own_dataset):
         StereoDataset(own_dataset, "test")[0]
 
 
+@pytest.mark.train
 def test_torch_reads_it_as_it_is(finished_dataset):
-    torch_data = pytest.importorskip("torch.utils.data")
-    from panokit.dataset.sampling import ShardSampler
+    from torch.utils.data import DataLoader
 
     dataset = StereoDataset(finished_dataset, "train")
     sampler = ShardSampler(dataset.shard_sizes, seed=3)
-    loader = torch_data.DataLoader(dataset, batch_size=4, sampler=sampler, num_workers=0)
+    loader = DataLoader(dataset, batch_size=4, sampler=sampler, num_workers=0)
     batches = list(loader)
     assert batches[0]["left"].shape == (4, WIDTH_PX, WIDTH_PX, 3)
     keys = [key for batch in batches for key in batch["key"]]
