@@ -114,9 +114,13 @@ def show(library: LibraryFolder, id: str, /, *, json: Json = False) -> int:
         _say(console, f"  {stage}", text)
     console.result("")
     console.result(f"quality: {probe.report.verdict}")
-    for check in probe.report.checks:
-        value = f"{'-' if check.value is None else f'{check.value:.4g}'} {check.unit}".strip()
+    applied = [check for check in probe.report.checks if check.value is not None]
+    for check in applied:
+        value = f"{check.value:.4g} {check.unit}".strip()
         console.result(f"  {check.name:<18} {value:<18} {check.verdict}")
+    without = [check.name for check in probe.report.checks if check.value is None]
+    if without:
+        _say(console, "not applicable", ", ".join(without))
     console.value(
         {**json_text.loads(json_text.dumps(probe.to_json(), default=str)), "map": str(path)}
     )
@@ -161,7 +165,7 @@ def _row(entry: "Entry") -> tuple[str, ...]:
     stops = entry.dynamic_range_stops
     return (
         entry.id[:8],
-        _tail(entry.name, 17),
+        _middle(entry.name, 17),
         _head(entry.category, 11),
         _SHORT_KINDS.get(entry.kind, entry.kind),
         "" if stops is None else f"{stops:.1f}",
@@ -230,6 +234,7 @@ def _head(text: str, length: int) -> str:
     return text if len(text) <= length else text[: length - 1] + "…"
 
 
-def _tail(text: str, length: int) -> str:
-    # Names differ at their ends: what stands before is the provider.
-    return text if len(text) <= length else "…" + text[1 - length :]
+def _middle(text: str, length: int) -> str:
+    # Names differ at both ends: maps of one provider begin alike, those of one place end alike.
+    kept = length - 1
+    return text if len(text) <= length else f"{text[: kept // 2]}…{text[kept // 2 - kept :]}"

@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,27 @@ from panokit.io.files import write_bytes
 
 ENDPOINT = "https://api.polyhaven.com"
 _SIDES = ("1k", "2k", "4k", "8k", "16k")
+# The kind of scene of a map that is in all of these categories; the first that fits.
+_SCENES: tuple[tuple[str, frozenset[str]], ...] = tuple(
+    (scene, frozenset(words.split(", ")))
+    for scene, words in (
+        ("indoor_studio", "studio"),
+        ("sky_only", "skies"),
+        ("indoor_artificial", "indoor, artificial light"),
+        ("indoor_windows", "indoor, natural light"),
+        ("indoor_artificial", "indoor"),
+        ("outdoor_night", "outdoor, night"),
+        ("outdoor_sunrise_sunset", "outdoor, sunrise-sunset"),
+        ("outdoor_sunrise_sunset", "outdoor, sunrise/sunset"),
+        ("outdoor_overcast", "outdoor, overcast"),
+        ("outdoor_sunny", "outdoor, clear"),
+        ("outdoor_sunny", "outdoor, midday"),
+        ("outdoor_sunny", "outdoor, partly cloudy"),
+        ("outdoor_overcast", "outdoor, low contrast"),
+        ("outdoor_sunny", "outdoor, high contrast"),
+        ("outdoor", "outdoor"),
+    )
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,10 +90,11 @@ class PolyHaven:
             UsageError: If nothing was asked for, or a name is not known.
         """
         settings = self._settings
-        if not (settings.names or settings.category or settings.query or settings.count):
+        asked = (settings.names, settings.category, settings.query, settings.count)
+        if not any(asked) and settings.published_before is None:
             raise UsageError(
-                "Say which maps: by name, or with --category, --query or --count. There are close "
-                "to a thousand."
+                "Say which maps: by name, or with --category, --query, --published-before or "
+                "--count. There are close to a thousand."
             )
         params = {"type": "hdris"}
         if settings.category:
@@ -133,9 +156,10 @@ def select(assets: Any, settings: PullSettings) -> list[Capture]:
         for name in (settings.names or maps)
         if all(word in _text(name, maps[name]) for word in words)
         and set(settings.category) <= set(maps[name].get("categories") or settings.category)
+        and _is_early(maps[name], settings.published_before)
     ]
     if not settings.names:
-        chosen.sort(key=lambda name: (-int(maps[name].get("download_count") or 0), name))
+        chosen.sort(key=lambda name: (_rank(maps[name], settings.order), name))
     return [capture_of(name, maps[name]) for name in dict.fromkeys(chosen)][: settings.count]
 
 
@@ -147,6 +171,7 @@ def capture_of(name: str, asset: Mapping[str, Any]) -> Capture:
     page = f"https://polyhaven.com/a/{name}"
     details = {
         "title": asset.get("name"),
+        "scene": scene_of(asset),
         "categories": asset.get("categories"),
         "category": asset.get("category"),
         "tags": asset.get("tags"),
@@ -164,6 +189,15 @@ def capture_of(name: str, asset: Mapping[str, Any]) -> Capture:
         source_url=page,
         details={key: value for key, value in details.items() if value},
     )
+
+
+def scene_of(asset: Mapping[str, Any]) -> str:
+    """The kind of scene, in one word for balancing: "outdoor_night", "indoor_windows", ...
+
+    "" where the service's categories do not tell.
+    """
+    known = {str(word).casefold() for word in asset.get("categories") or ()}
+    return next((scene for scene, words in _SCENES if words <= known), "")
 
 
 def parse_files(body: bytes, capture: Capture, settings: PullSettings) -> RemoteMap:
@@ -224,6 +258,21 @@ def _md5(text: Any) -> str:
     if not re.fullmatch(r"[0-9a-f]{32}", str(text).lower()):
         raise ValueError(f"{text!r} is no MD5")
     return str(text).lower()
+
+
+def _is_early(asset: Mapping[str, Any], before: date | None) -> bool:
+    """Whether a map was published before a day; no, where the service does not say when."""
+    if before is None:
+        return True
+    seconds = asset.get("date_published")
+    return isinstance(seconds, int | float) and datetime.fromtimestamp(seconds, UTC).date() < before
+
+
+def _rank(asset: Mapping[str, Any], order: str) -> float:
+    if order == "published":
+        seconds = asset.get("date_published")
+        return float(seconds) if isinstance(seconds, int | float) else float("inf")
+    return -float(asset.get("download_count") or 0)
 
 
 def _text(name: str, asset: Mapping[str, Any]) -> str:

@@ -48,8 +48,14 @@ class PullSettings(Settings):
     query: str = ""
     """Only maps whose name, tags or categories hold each of these words."""
 
+    published_before: date | None = None
+    """Only maps that were published before this day, such as those of a paper's time."""
+
+    order: Literal["downloads", "published"] = "downloads"
+    """Which come first: the most downloaded, or the first published."""
+
     count: int | None = Field(default=None, ge=1)
-    """At most so many, the most downloaded first; else all that match."""
+    """At most so many; else all that match."""
 
     resolution: Literal["1k", "2k", "4k", "8k", "16k"] = "2k"
     """Width in 1024 px; the next smaller one where a map is not that large."""

@@ -71,11 +71,13 @@ def pull_into(
         with Client(policy, budget=Budget(settings.max_requests)) as own:
             return pull_into(settings, folder, console, client=own)
     there = _names_in(folder)
-    if not settings.dry_run:
-        # Where a killed run had put the file it was at.
-        shutil.rmtree(folder / _INCOMING, ignore_errors=True)
     service = PolyHaven(settings, client)
     maps = service.wanted()
+    if not settings.dry_run:
+        # Tells of a folder that cannot be written before anything is fetched.
+        Library.create(folder).close()
+        # Where a killed run had put the file it was at.
+        shutil.rmtree(folder / _INCOMING, ignore_errors=True)
     known = {capture.id for capture in maps if f"{capture.id}_{settings.resolution}" in there}
     existing = [f"{id}_{settings.resolution}" for id in sorted(known)]
     added: list[RemoteMap] = []

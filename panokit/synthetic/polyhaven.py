@@ -44,7 +44,11 @@ class PolyHaven:
             case ["assets"]:
                 kind = request.query.get("t", request.query.get("type", "all"))
                 served = self._store if kind in ("hdris", "all") else ()
-                return json_reply({one.capture.id: _info(one) for one in served})
+                wanted = set(filter(None, request.query.get("categories", "").split(",")))
+                found = {one.capture.id: _info(one) for one in served}
+                return json_reply(
+                    {id: info for id, info in found.items() if wanted <= set(info["categories"])}
+                )
             case ["info", name]:
                 picture = self._picture(name, faults)
                 return _unknown(name) if picture is None else json_reply(_info(picture))
@@ -86,7 +90,8 @@ class PolyHaven:
         }
 
     def _file(self, picture: ServedPicture, resolution: str, suffix: str) -> bytes:
-        key = (picture.capture.id, resolution, suffix)
+        # Captures that show one image have one file; a service of hundreds is made of a few.
+        key = (str(picture.image), resolution, suffix)
         with self._lock:
             if key not in self._made:
                 self._made[key] = self._make(picture, RESOLUTIONS_PX[resolution], suffix)
@@ -112,12 +117,14 @@ def _info(picture: ServedPicture) -> dict[str, Any]:
         "name": capture.id.replace("-", " ").replace("_", " ").title(),
         "type": 0,
         "authors": {capture.license.attribution or "somebody": "All"},
-        "categories": ["outdoor", "urban"],
-        "tags": ["street", "look-alike"],
+        "categories": list(capture.details.get("categories") or ("outdoor", "urban")),
+        "tags": list(capture.details.get("tags") or ("street", "look-alike")),
+        "download_count": capture.details.get("download_count"),
         "max_resolution": [largest_px, largest_px // 2],
         "coords": list(picture.position_deg),
         "date_taken": capture.time and round(capture.time.timestamp()),
-        "date_published": capture.time and round(capture.time.timestamp()),
+        "date_published": capture.details.get("date_published")
+        or (capture.time and round(capture.time.timestamp())),
         "evs_cap": 12,
         "whitebalance": 5500,
     }
