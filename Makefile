@@ -10,9 +10,11 @@ VENV = .venv
 PEERS = .peers-venv
 STITCHERS = .stitchers-venv
 TESTS ?= tests
+MODEL ?= expand-2
+WORK ?= work
 BIN = $(VENV)/bin
 
-.PHONY: help demo test check test-slow bench bench-library bench-peers bench-stitchers docs clean
+.PHONY: help demo test check test-slow bench bench-library bench-peers bench-stitchers expansion-table docs clean
 
 help:
 	@echo "make demo       light probes from the embedded city, with a report (core packages only)"
@@ -23,6 +25,7 @@ help:
 	@echo "make bench-library  a library of 10,000 probes: listing, filters, indexing"
 	@echo "make bench-peers  geometry against skylibs, equilib and py360convert"
 	@echo "make bench-stitchers  stitching against OpenCV, OpenStitching, Hugin (needs PANOKIT_DATA)"
+	@echo "make expansion-table  expansion methods on probes none has seen (needs PANOKIT_DATA; hours)"
 	@echo "make docs       the documentation, in docs/_build"
 
 demo: $(DEMO)/.installed
@@ -51,6 +54,13 @@ bench-peers: $(VENV)/.installed $(PEERS)/.installed
 
 bench-stitchers: $(VENV)/.installed $(STITCHERS)/.installed
 	$(BIN)/python tests/benchmarks/peers/compare_stitching.py $(PANOKIT_DATA) $(STITCHERS)/bin/python
+
+# What is done is kept in WORK: stop it and start it again.
+expansion-table: $(VENV)/.installed
+	$(BIN)/panokit train models/$(MODEL)/recipe.toml --probes $(PANOKIT_DATA)/probes --work $(WORK) --folds --fold-members 2
+	$(BIN)/panokit train models/expandnet/expandnet.toml --probes $(PANOKIT_DATA)/probes --work $(WORK) --folds
+	OMP_NUM_THREADS=1 $(BIN)/panokit evaluate expansion --probes $(PANOKIT_DATA)/probes --out $(WORK)/scores \
+		--model '$(WORK)/$(MODEL)/fold-{fold}' --peer '$(WORK)/expandnet/fold-{fold}/expandnet.onnx'
 
 docs: $(VENV)/.installed
 	$(BIN)/pip install --quiet -e ".[docs]"
