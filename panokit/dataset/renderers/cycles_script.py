@@ -43,7 +43,8 @@ def set_up() -> None:
     scene.render.engine = "CYCLES"
     scene.render.threads_mode, scene.render.threads = "FIXED", 1
     scene.render.film_transparent = True
-    scene.render.use_persistent_data = True
+    # Data kept from render to render would keep the pictures of the job before.
+    scene.render.use_persistent_data = False
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
     scene.render.image_settings.color_depth = "32"

@@ -13,6 +13,7 @@ from panokit.sphere import resize_radiance, row_solid_angles
 
 # What a camera would expose to white in a map of unknown scale.
 _WHITE_PERCENTILE = 95.0
+_CLIPPED = np.uint8(255)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,7 +35,9 @@ def align_pair(envmap: EnvironmentMap, truth: EnvironmentMap, width_px: int) -> 
     """Bring a map and its truth together.
 
     Where the scales are not one and the same absolute scale, the map is multiplied by the gain
-    that fits it to the truth in the pixels that a camera would not clip.
+    that fits it to the truth in the pixels that a camera would not clip. Where the camera's own
+    exposure is not known, both are exposed so that 5 % of the sphere is white, and what is
+    white in either counts as clipped.
 
     Args:
         envmap: The map.
@@ -54,7 +57,12 @@ def align_pair(envmap: EnvironmentMap, truth: EnvironmentMap, width_px: int) -> 
     estimate = resize_radiance(envmap.radiance, width)
     right = resize_radiance(truth.radiance, width)
     to_white = np.float32(_exposure_to_white(estimate, envmap.anchor))
-    gain = 1.0 if _same_scale(envmap, truth) else _gain(estimate, right, to_white)
+    seen = srgb_encode_u8(estimate * to_white)
+    if envmap.anchor is not Anchor.LDR_WHITE:
+        # A lamp that the estimate shows no brighter than a wall would decide the gain alone.
+        exposed = np.float32(_exposure_to_white(right, Anchor.RELATIVE))
+        seen = np.where(_is_clipped(right * exposed), _CLIPPED, seen)
+    gain = 1.0 if _same_scale(envmap, truth) else _gain(estimate, right, seen)
     return AlignedPair(
         estimate=estimate * to_white, truth=right * (to_white / np.float32(gain)), gain=gain
     )
@@ -74,8 +82,13 @@ def _exposure_to_white(radiance: NDArray[np.float32], anchor: Anchor) -> float:
     return 1 / white if white > 0 else 1.0
 
 
-def _gain(estimate: NDArray[np.float32], truth: NDArray[np.float32], to_white: np.float32) -> float:
-    seen = srgb_encode_u8(estimate * to_white)
+def _is_clipped(exposed: NDArray[np.float32]) -> NDArray[np.bool_]:
+    return np.asarray((exposed >= 1).any(axis=2, keepdims=True))
+
+
+def _gain(
+    estimate: NDArray[np.float32], truth: NDArray[np.float32], seen: NDArray[np.uint8]
+) -> float:
     gain = alignment_gain(estimate, truth, seen)
     if gain <= 0:
         raise ItemError(

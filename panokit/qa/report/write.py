@@ -6,10 +6,12 @@ from pathlib import Path
 from panokit.errors import ItemError, Rejection
 from panokit.io import write_json
 from panokit.qa.batch import JudgedMap, QaResult
+from panokit.qa.pairs.showing import pair_sections
 from panokit.qa.report import words
 from panokit.qa.report.accuracy import explanation, medians
 from panokit.qa.report.cards import count_layers, entry_of
 from panokit.qa.report.distributions import check_charts, difference_charts
+from panokit.qa.sets.showing import set_sections
 from panokit.report.layers import layer_width_px
 from panokit.report.page import write_page
 from panokit.report.plain import sections_of
@@ -42,6 +44,8 @@ _SHOWN = {
     "skipped_references",
     "maps",
     "rejections",
+    "sets",
+    "pairs",
 }
 
 
@@ -66,16 +70,24 @@ def write_report(
     Raises:
         StorageError: If the folder cannot be written.
     """
-    path = write_page(report_page(result, title=title, rejections=rejections), out / REPORT_NAME)
+    page = report_page(result, title=title, rejections=rejections, out=out)
+    path = write_page(page, out / REPORT_NAME)
     record = {**result.to_json(), "rejections": [r.to_json() for r in rejections]}
     write_json(out / JSON_NAME, record)
     return path
 
 
 def report_page(
-    result: QaResult, *, title: str = "Light probes", rejections: Sequence[Rejection] = ()
+    result: QaResult,
+    *,
+    title: str = "Light probes",
+    rejections: Sequence[Rejection] = (),
+    out: Path | None = None,
 ) -> Page:
-    """The report as values; arguments as of `write_report`."""
+    """The report as values; arguments as of `write_report`.
+
+    Without `out` it has no pictures of pairs.
+    """
     entries, gone = _entries(result)
     rejected = (
         *rejections,
@@ -90,6 +102,8 @@ def report_page(
         difference_charts(maps),
         check_charts(maps),
         _overview(maps) if maps else None,
+        *(set_sections(result.sets) if result.sets else ()),
+        *(pair_sections(result.pairs, out) if result.pairs else ()),
     ]
     for key, value in result.to_json().items():
         if key not in _SHOWN and value not in (None, [], {}, ""):

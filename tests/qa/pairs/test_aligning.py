@@ -33,3 +33,9 @@ def test_what_cannot_be_compared_is_told(make_map):
     black = make_map(128).with_changes(radiance=np.zeros((64, 128, 3), np.float32))
     with pytest.raises(ItemError, match="black where the map is not"):
         align_pair(make_map(128), black, 128)
+
+
+def test_a_lamp_that_the_estimate_misses_does_not_decide_the_gain(make_map):
+    truth = make_map(128, sun=3e5).with_changes(anchor=Anchor.RELATIVE)
+    dull = truth.with_changes(radiance=np.minimum(truth.radiance, np.float32(0.4)) / 2)
+    assert align_pair(dull, truth, 128).gain == pytest.approx(2, rel=0.2)
