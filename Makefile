@@ -57,6 +57,7 @@ bench-stitchers: $(VENV)/.installed $(STITCHERS)/.installed
 
 # What is done is kept in WORK: stop it and start it again.
 expansion-table: $(VENV)/.installed
+	@test -d "$(PANOKIT_DATA)/probes" || { echo "Set PANOKIT_DATA to the folder that holds probes/."; exit 2; }
 	$(BIN)/panokit train models/$(MODEL)/recipe.toml --probes $(PANOKIT_DATA)/probes --work $(WORK) --folds --fold-members 2
 	$(BIN)/panokit train models/expandnet/expandnet.toml --probes $(PANOKIT_DATA)/probes --work $(WORK) --folds
 	OMP_NUM_THREADS=1 $(BIN)/panokit evaluate expansion --probes $(PANOKIT_DATA)/probes --out $(WORK)/scores \

@@ -50,4 +50,4 @@ def probe_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(autouse=True)
 def _small(monkeypatch: pytest.MonkeyPatch):
     """Probes at their own small size, so that a test takes seconds."""
-    monkeypatch.setattr(probe_set, "PROBE_WIDTH_PX", 256)
+    monkeypatch.setattr(probe_set, "PROBE_WIDTH_PX", 128)
