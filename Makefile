@@ -14,14 +14,16 @@ MODEL ?= expand-2
 WORK ?= work
 BIN = $(VENV)/bin
 
-.PHONY: help demo test check test-slow bench bench-library bench-peers bench-stitchers expansion-table docs clean
+.PHONY: help demo test check test-slow test-browser bench bench-report bench-library bench-peers bench-stitchers expansion-table docs clean
 
 help:
 	@echo "make demo       light probes from the embedded city, with a report (core packages only)"
 	@echo "make test       the test suite, in an environment of its own"
 	@echo "make check      style, types and layers"
 	@echo "make test-slow  tests that take minutes"
+	@echo "make test-browser  the report in a headless Chromium, by its pixels (needs Chromium)"
 	@echo "make bench      benchmarks"
+	@echo "make bench-report  a report of 200 probes: its size, and how soon it is open (needs PANOKIT_DATA)"
 	@echo "make bench-library  a library of 10,000 probes: listing, filters, indexing"
 	@echo "make bench-peers  geometry against skylibs, equilib and py360convert"
 	@echo "make bench-stitchers  stitching against OpenCV, OpenStitching, Hugin (needs PANOKIT_DATA)"
@@ -42,6 +44,14 @@ check: $(VENV)/.installed
 
 test-slow: $(VENV)/.installed
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m "slow" $(TESTS)
+
+test-browser: $(VENV)/.installed
+	$(BIN)/pip install --quiet -e ".[browser]"
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m browser tests/browser
+
+bench-report: $(VENV)/.installed
+	$(BIN)/pip install --quiet -e ".[browser]"
+	$(BIN)/python tests/benchmarks/report.py $(PANOKIT_DATA)
 
 bench: $(VENV)/.installed
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks --benchmark-columns=min,mean,rounds

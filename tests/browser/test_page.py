@@ -232,7 +232,11 @@ def test_thumbnails_are_drawn_when_they_come_into_sight_all_by_one_context(open_
 
 def test_without_webgl_the_figures_and_a_flat_picture_remain(open_tab, report):
     tab = open_tab(report("quay", "mill"), script=NO_WEBGL)
-    assert tab.page.locator("#thumbnails").count() == 0
+    tab.page.locator("#thumbnails").select_option("balls")
+    assert tab.page.locator("#thumbnails").input_value() == "picture"
+    assert tab.page.locator("#thumbnails").is_disabled()
+    assert "no WebGL2" in tab.page.locator("#gallery-count").text_content()
+    assert tab.page.locator(".card img").first.is_visible()
     tab.page.locator(".open").first.click()
     message = tab.page.get_by_role("alert")
     assert "no WebGL2" in message.text_content()

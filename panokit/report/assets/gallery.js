@@ -3,7 +3,7 @@
 class Gallery {
   constructor(maps, renderer) {
     this.maps = maps;
-    this.renderer = renderer;
+    this.getRenderer = renderer;
     this.cards = maps.map((map) => byId(map.anchor));
     this.seen = new Set();
     this.queue = Promise.resolve();
@@ -14,9 +14,8 @@ class Gallery {
       byId(id)?.addEventListener("input", () => this.arrange());
     }
     for (const id of ["thumbnails", "thumbnail-exposure"]) {
-      byId(id)?.addEventListener("input", () => this.restyle());
+      byId(id).addEventListener("input", () => this.restyle());
     }
-    if (!renderer) byId("thumbnails")?.closest("label").remove();
     byId("gallery-tools").hidden = false;
     this.arrange();
     this.restyle();
@@ -63,7 +62,13 @@ class Gallery {
   }
 
   restyle() {
-    const style = byId("thumbnails")?.value ?? "picture";
+    const choice = byId("thumbnails");
+    if (choice.value !== "picture" && !this.getRenderer()) {
+      choice.value = "picture";
+      choice.disabled = true;
+      byId("gallery-count").textContent = "This browser has no WebGL2: thumbnails stay as they are.";
+    }
+    const style = choice.value;
     const exposure = byId("thumbnail-exposure");
     this.draft += 1;
     this.style = style;
@@ -81,7 +86,8 @@ class Gallery {
   // One after the other, and only what is still wanted when its turn comes.
   drawLater(index) {
     const { draft } = this;
-    if (this.style === "picture" || !this.renderer) return;
+    if (this.style === "picture") return;
+    const renderer = this.getRenderer();
     const view = {
       ...START,
       mode: this.style === "balls" ? "balls" : "whole",
@@ -94,10 +100,10 @@ class Gallery {
       const drawn = `${this.style} ${this.ev}`;
       if (draft !== this.draft || !this.seen.has(index) || canvas.dataset.drawn === drawn) return;
       try {
-        const loaded = await this.renderer.load(map.layers[0]);
+        const loaded = await renderer.load(map.layers[0]);
         canvas.width = 2 * canvas.clientWidth || 640;
         canvas.height = canvas.width / 2;
-        this.renderer.draw(canvas, map, view, loaded, null);
+        renderer.draw(canvas, map, view, loaded, null);
         canvas.dataset.drawn = drawn;
       } catch {
         // The viewer tells what is wrong with a map when it is opened.

@@ -6,28 +6,36 @@ function whenWhole() {
     : Promise.resolve();
 }
 
-function makeRenderer() {
-  if (typeof DecompressionStream === "undefined") return null;
-  try {
-    return new Renderer(PALETTE);
-  } catch {
-    return null;
-  }
+// The one renderer, made when it is first needed: most of the time of opening the page would
+// else be the graphics card's. Null where there is none to be had.
+function rendererOnDemand() {
+  let made;
+  const get = () => {
+    if (made === undefined) {
+      try {
+        made = typeof DecompressionStream === "undefined" ? null : new Renderer(PALETTE);
+        if (made) made.onRestored = () => get.onRestored();
+      } catch {
+        made = null;
+      }
+    }
+    return made;
+  };
+  get.onRestored = () => {};
+  return get;
 }
 
 function start() {
   document.documentElement.classList.add("scripted");
   document.querySelectorAll("table.sortable").forEach(makeSortable);
   if (!MAPS.length) return;
-  const renderer = makeRenderer();
+  const renderer = rendererOnDemand();
   const viewer = new Viewer(MAPS, renderer);
   const gallery = new Gallery(MAPS, renderer);
   viewer.order = () => gallery.shown;
-  if (renderer) {
-    renderer.onRestored = () => {
-      if (viewer.dialog.open) viewer.open(viewer.index);
-    };
-  }
+  renderer.onRestored = () => {
+    if (viewer.dialog.open) viewer.open(viewer.index);
+  };
   const open = async (index) => {
     await whenWhole();
     viewer.open(index);

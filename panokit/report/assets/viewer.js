@@ -5,7 +5,7 @@ const STATUS_DELAY_MS = 400;
 class Viewer {
   constructor(maps, renderer) {
     this.maps = maps;
-    this.renderer = renderer;
+    this.getRenderer = renderer;
     this.view = { ...START };
     this.order = () => maps.map((_, i) => i);
     this.dialog = byId("viewer");
@@ -33,6 +33,7 @@ class Viewer {
     this.loaded = null;
     this.describe();
     if (!this.dialog.open) this.dialog.showModal();
+    this.renderer = this.getRenderer();
     if (!this.renderer) {
       this.fall("This browser has no WebGL2, so you cannot look around in the map; its figures are beside it.");
       return;
