@@ -79,9 +79,9 @@ def _lit(radiance: NDArray[np.float32], scene: str) -> NDArray[np.float32]:
     if len(picture) == TILE_PX:
         return picture
     picture[..., :3] *= picture[..., 3:]
-    picture = cv2.resize(picture, (TILE_PX, TILE_PX), interpolation=cv2.INTER_CUBIC)
-    alpha = np.clip(picture[..., 3:], 0, 1)
-    color = np.maximum(picture[..., :3], 0) / np.maximum(alpha, 1e-6)
+    larger = cv2.resize(picture, (TILE_PX, TILE_PX), interpolation=cv2.INTER_CUBIC)
+    alpha = np.clip(larger[..., 3:], 0, 1)
+    color = np.maximum(larger[..., :3], 0) / np.maximum(alpha, 1e-6)
     return np.asarray(np.concatenate([color, alpha], axis=-1), np.float32)
 
 

@@ -263,10 +263,10 @@ def test_what_qa_tells_beyond_what_the_page_knows_is_shown_as_it_is(
     told = QaResult.to_json
 
     def more(self):
-        return told(self) | {"sets": {"coverage": {"share": 0.123}}, "nothing": None}
+        return told(self) | {"weather": {"coverage": {"share": 0.123}}, "nothing": None}
 
     monkeypatch.setattr(QaResult, "to_json", more)
     page = Page(write_report(result, tmp_path / "qa").read_text())
-    assert "Sets" in page.text
+    assert "Weather" in page.text
     assert re.search(r"Share\s+0\.123", page.text)
     assert "Nothing" not in page.text
