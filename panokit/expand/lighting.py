@@ -7,7 +7,7 @@ that dominates under a lit blue sky ("appearance"); suns behind leaves or haze a
 way, on purpose: a lamp taken for the sun is worse.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -126,6 +126,7 @@ def describe_lighting(
     most_lights: int,
     harmonics_order: int,
     hint: NDArray[np.float64] | None = None,
+    range_at: Callable[[NDArray[np.float64]], tuple[float, float] | None] | None = None,
 ) -> Mapping[str, Any]:
     """Lights, sun and harmonics of a map, for its record.
 
@@ -136,12 +137,14 @@ def describe_lighting(
         most_lights: How many lights are listed.
         harmonics_order: Highest degree.
         hint: Where a model says that the sun is; see `find_sun`.
+        range_at: Between which factors of its energy a light in a direction may lie, or None
+            where nobody says.
     """
     lights = find_lights(radiance, most=max(most_lights, 1))
     sun = find_sun(radiance, lights, frame, capture, hint)
     primary = lights.primary
     return {
-        "lights": [_light_json(light, lights) for light in lights.lights[:most_lights]],
+        "lights": [_light_json(light, lights, range_at) for light in lights.lights[:most_lights]],
         "ambient_rgb": _rounded(lights.ambient),
         "key_to_fill": _finite(lights.key_to_fill),
         "has_dominant_light": primary is not None,
@@ -200,13 +203,19 @@ def _is_day(radiance: NDArray[np.float32]) -> bool:
     return bool(is_lit and blue >= _LEAST_BLUE_TO_RED)
 
 
-def _light_json(light: Light, lights: LightList) -> dict[str, Any]:
+def _light_json(
+    light: Light,
+    lights: LightList,
+    range_at: Callable[[NDArray[np.float64]], tuple[float, float] | None] | None,
+) -> dict[str, Any]:
     whole = float(luminance(lights.energy))
+    between = range_at(light.direction) if range_at else None
     return {
         **_placed(light.direction),
         "angular_radius_deg": round(float(np.degrees(light.angular_radius)), 3),
         "energy_rgb": _rounded(light.energy),
         "irradiance_rgb": _rounded(light.irradiance),
+        "energy_range": between and [round(factor, 3) for factor in between],
         "energy_share": round(light.luminance / max(whole, 1e-300), 4),
     }
 

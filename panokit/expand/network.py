@@ -13,6 +13,7 @@ from panokit.expand.curve import apply_curve
 from panokit.expand.features import GRID_WIDTH_PX, grid_features
 from panokit.expand.reduce import ReducedPanorama
 from panokit.expand.spread import grid_energies, spread_gain
+from panokit.frames import azimuth_elevation_from_direction
 from panokit.inference import DEFAULT_THREADS, Session
 from panokit.weights import ReleasedModel, find_model, verify_model
 
@@ -77,6 +78,35 @@ class Prediction:
         weight = self.grid_weight
         each = self.grid_energy[1:] ** weight * self.component_energy ** (1 - weight)
         return np.concatenate([self.grid_energy[:1], each])
+
+    @property
+    def gain_ranges(self) -> NDArray[np.float64]:
+        """(K, 2): between which gains the two networks put each component.
+
+        Where they agree, that is as good as it gets; where not, the gain is a guess.
+        """
+        answers = np.stack([self.grid_energy[1:], self.component_energy], axis=1)
+        return np.sort(answers / self.components.energy[:, None], axis=1)
+
+    def range_at(self, direction: NDArray[np.float64]) -> tuple[float, float] | None:
+        """The range of the component in a direction, as factors of the gain that was taken.
+
+        Args:
+            direction: (3,), in the panorama's frame.
+
+        Returns:
+            None where there is no component.
+        """
+        height, width = self.components.labels.shape
+        azimuth, elevation = azimuth_elevation_from_direction(direction)
+        column = int((float(azimuth) / (2 * np.pi) + 0.5) * width) % width
+        row = min(int((0.5 - float(elevation) / np.pi) * height), height - 1)
+        label = int(self.components.labels[row, column])
+        if not label:
+            return None
+        gain = self.energy[label] / self.components.energy[label - 1]
+        low, high = self.gain_ranges[label - 1] / gain
+        return float(low), float(high)
 
 
 class ExpansionNetwork:

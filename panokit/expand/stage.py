@@ -81,6 +81,7 @@ def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> Enviro
         most_lights=settings.most_lights,
         harmonics_order=settings.harmonics_order,
         hint=hint,
+        range_at=None if prediction is None else prediction.range_at,
     )
     step = Step(
         stage="expand",
@@ -139,7 +140,9 @@ def _expanded(
     found = {
         "curve_slopes": [round(slope, 4) for slope in prediction.curve_slopes],
         "component_gains": [round(float(gain), 3) for gain in gains],
-        "component_gain_ranges": _gain_ranges(prediction),
+        "component_gain_ranges": [
+            [round(float(gain), 3) for gain in pair] for pair in prediction.gain_ranges
+        ],
         "component_sun": [round(float(p), 3) for p in prediction.sun],
     }
     if is_wide:
@@ -154,13 +157,6 @@ def _formula_wide(
         components = find_components(reduced)
         return multiply_wide(pixels, width_px, components, area_gains(components))
     return formula_wide(pixels, width_px, ANALYTIC[model])
-
-
-def _gain_ranges(prediction: Prediction) -> list[list[float]]:
-    """Between which gains the model's two networks put each component: how far to trust it."""
-    shown = prediction.components.energy
-    answers = np.stack([prediction.grid_energy[1:], prediction.component_energy]) / shown
-    return [[round(float(g), 3) for g in sorted(pair)] for pair in answers.T]
 
 
 def _check_lit(pixels: NDArray[np.uint8]) -> None:

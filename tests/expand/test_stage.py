@@ -99,3 +99,23 @@ def test_the_record_lists_lights_and_harmonics_in_the_unit_of_the_map(lamps, cap
         assert 50 * np.array(a["energy_rgb"]) == pytest.approx(np.array(b["energy_rgb"]), rel=1e-3)
     rgb = np.array(first["harmonics"]["rgb"])
     assert 50 * rgb == pytest.approx(np.array(second["harmonics"]["rgb"]), rel=1e-3, abs=1e-3)
+
+
+def test_each_light_says_between_which_energies_it_lies(lamps, capture):
+    values = expand(panorama(lamps, capture), ExpandSettings(width_px=256)).provenance.steps[-1]
+    lights = values.values["lighting"]["lights"]
+    ranges = [
+        [low / gain, high / gain]
+        for gain, (low, high) in zip(
+            values.values["component_gains"], values.values["component_gain_ranges"], strict=True
+        )
+    ]
+    assert lights
+    for light in lights:
+        low, high = light["energy_range"]
+        assert 0 < low <= 1 <= high
+        # It is the range of one of the components.
+        assert min(abs(np.log(low / a)) + abs(np.log(high / b)) for a, b in ranges) < 0.01
+    formula = expand(panorama(lamps, capture), ExpandSettings(model="area", width_px=256))
+    lighting = formula.provenance.steps[-1].values["lighting"]
+    assert {light["energy_range"] for light in lighting["lights"]} == {None}
