@@ -4,13 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from panokit.capture import license_from_spdx, local_capture
 from panokit.console import Console
 from panokit.envmap import EnvironmentMap
 from panokit.errors import ItemError, Rejection, UsageError
 from panokit.io import read_environment_map
+from panokit.io.probe_manifest import NAME as MANIFEST
+from panokit.io.probe_manifest import ManifestRow, read_manifest
 from panokit.pipeline.inputs import map_paths
 from panokit.probes import Added, Library
-from panokit.probes.manifest import Line, capture_for, read_manifest
 from panokit.probes.settings import AddSettings
 
 
@@ -33,7 +35,8 @@ def add_maps(
     """Put maps into a library; one that is there already is left as it is.
 
     A folder may have a manifest.csv that says what its files are; see
-    `panokit.probes.manifest`. What a map's own record says goes before what the settings say.
+    `panokit.io.probe_manifest`. What a map's own record says goes first, then the manifest, then
+    the settings.
 
     Args:
         paths: A run folder, or maps, or folders of them.
@@ -50,13 +53,17 @@ def add_maps(
     if not maps:
         told = ", ".join(map(str, paths))
         raise UsageError(f"There are no .exr or .hdr maps in {told}. Check the paths.")
-    manifests = {parent: read_manifest(parent) for parent in {path.parent for path in maps}}
+    known = {
+        row.path: row
+        for parent in sorted({path.parent for path in maps})
+        if (parent / MANIFEST).is_file()
+        for row in read_manifest(parent)
+    }
     added, rejections = [], []
     with Library.create(folder) as library, console.stage("probes", len(maps)) as tick:
         for path in maps:
-            line = manifests[path.parent].get(path.name)
             try:
-                added.append(_add(library, path, line, settings))
+                added.append(_add(library, path, known.get(path), settings))
                 tick()
             except ItemError as error:
                 rejections.append(Rejection.from_error(path.stem, "probes", error))
@@ -65,28 +72,36 @@ def add_maps(
     return AddResult(added=tuple(added), rejections=tuple(rejections))
 
 
-def _add(library: Library, path: Path, line: Line | None, settings: AddSettings) -> Added:
+def _add(library: Library, path: Path, row: ManifestRow | None, settings: AddSettings) -> Added:
     envmap = read_environment_map(path, repair=settings.repair)
     if envmap.capture is None:
-        envmap = _with_capture(envmap, path, line, settings)
+        envmap = _with_capture(envmap, path, row, settings)
     return library.add(
         envmap,
-        name=(line.name if line else "") or path.stem,
-        category=settings.category or (line.category if line else ""),
-        tags=(*settings.tags, *(line.tags if line else ())),
+        name=row.name if row else path.stem,
+        category=settings.category or (row.category if row else ""),
+        tags=(*settings.tags, *(row.tags if row else ())),
         kind=settings.kind or "",
         in_place=path if settings.in_place else None,
     )
 
 
 def _with_capture(
-    envmap: EnvironmentMap, path: Path, line: Line | None, settings: AddSettings
+    envmap: EnvironmentMap, path: Path, row: ManifestRow | None, settings: AddSettings
 ) -> EnvironmentMap:
     """The map with what is known of where it is from; as it is where nothing is."""
-    known = dict(line.known) if line else {}
-    if settings.place:
-        known.setdefault("place", settings.place)
-    if not (known or settings.license or settings.attribution):
+    known: dict[str, object] = {"place": (row.place if row else "") or settings.place}
+    if row is not None:
+        known |= {
+            "source_url": row.source_url,
+            "latitude_deg": row.latitude_deg,
+            "longitude_deg": row.longitude_deg,
+        }
+    if row is not None and row.license.id != "unknown":
+        known["license"] = row.license
+    elif settings.license or settings.attribution:
+        known["license"] = license_from_spdx(settings.license or "unknown", settings.attribution)
+    known = {name: value for name, value in known.items() if value not in ("", None)}
+    if not known:
         return envmap
-    capture = capture_for(path, known, settings.license, settings.attribution)
-    return envmap.with_changes(capture=capture)
+    return envmap.with_changes(capture=local_capture(path.stem, **known))

@@ -2,12 +2,11 @@
 
 probe       Probe, what the library knows of one map, and its id
 traits      a map's kind, category, tags and sun, found when it is added
-descriptor  what light a map has, in a few numbers that no rotation changes
+descriptors what light a map has, in a few numbers that no rotation changes
 shelf       the folders: one per probe, whole or not there
 entry       one line of the list, and which lines a filter lets pass
 index       library.sqlite, which can be rebuilt from the folders at any time
 library     `Library`: create, open, add, list, show, verify, reindex
-manifest    what a manifest.csv says of a folder of HDRIs
 selection   `select`: balanced, and as different as can be; its file
 chain       from the capture to the probe, in words
 exporting   `export_probes`: files for other tools, with credits
@@ -20,7 +19,7 @@ from panokit.lazy import lazy_names
 
 if TYPE_CHECKING:
     from panokit.probes.chain import chain_lines
-    from panokit.probes.descriptor import descriptor
+    from panokit.probes.descriptors import descriptor
     from panokit.probes.entry import Entry
     from panokit.probes.exporting import ExportResult, export_probes
     from panokit.probes.library import Added, Library, Verification
@@ -45,7 +44,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "Selection": "panokit.probes.selection",
         "Verification": "panokit.probes.library",
         "chain_lines": "panokit.probes.chain",
-        "descriptor": "panokit.probes.descriptor",
+        "descriptor": "panokit.probes.descriptors",
         "export_probes": "panokit.probes.exporting",
         "probe_id": "panokit.probes.probe",
         "read_selection": "panokit.probes.selection",

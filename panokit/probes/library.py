@@ -173,7 +173,7 @@ class Library:
         return self._index.entries(ids)
 
     def descriptors(self) -> dict[str, tuple[float, ...]]:
-        """Id -> what light each probe has; see `panokit.probes.descriptor`."""
+        """Id -> what light each probe has; see `panokit.probes.descriptors`."""
         return self._index.descriptors()
 
     def find_id(self, wanted: str) -> str:

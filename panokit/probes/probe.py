@@ -51,7 +51,7 @@ class Probe:
         category: The kind of scene ("outdoor_night"), "" where it is not known.
         tags: Words to find it by, in order.
         sun: Direction, irradiance and radius of the sun as its record has them, or None.
-        descriptor: What light it has, see `panokit.probes.descriptor`; () if not known.
+        descriptor: What light it has, see `panokit.probes.descriptors`; () if not known.
         source: Where the map lies, for one that is used in place; None for one in the library.
     """
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from panokit.errors import RecordError, UsageError
 from panokit.io import read_json, write_json
-from panokit.probes.descriptor import LENGTH, distances
+from panokit.probes.descriptors import LENGTH, distances
 from panokit.probes.entry import Entry
 from panokit.probes.settings import SelectSettings
 

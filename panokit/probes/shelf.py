@@ -31,7 +31,7 @@ from panokit.io import (
 )
 from panokit.io.files import file_entry, storage_error
 from panokit.io.pictures import MAP_SCHEMA
-from panokit.probes.descriptor import descriptor
+from panokit.probes.descriptors import descriptor
 from panokit.probes.probe import Probe, Source, probe_id
 from panokit.probes.traits import category_of, kind_of, sun_of, tags_of
 from panokit.qa import Report

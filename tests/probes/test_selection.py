@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from panokit.errors import RecordError, UsageError
 from panokit.io import write_json
 from panokit.probes import SelectSettings, read_selection, select, write_selection
-from panokit.probes.descriptor import LENGTH
+from panokit.probes.descriptors import LENGTH
 from panokit.probes.entry import COLUMNS, Entry
 from panokit.probes.selection import allot
 

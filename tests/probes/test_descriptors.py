@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from panokit.frames import Rotation
-from panokit.probes.descriptor import LENGTH, descriptor, distances
+from panokit.probes.descriptors import LENGTH, descriptor, distances
 from panokit.sphere import blur_radiance, resize_radiance, rotate_radiance
 from tests.conftest import sun_radiance
 
