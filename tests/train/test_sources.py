@@ -14,6 +14,15 @@ pytest.importorskip("torch")
 PLAIN = DataRecipe(shots_per_probe=1)
 
 
+@pytest.fixture(autouse=True)
+def _small_maps(monkeypatch: pytest.MonkeyPatch):
+    from panokit.evaluate import probe_set
+    from panokit.train import sources
+
+    monkeypatch.setattr(probe_set, "PROBE_WIDTH_PX", 256)
+    monkeypatch.setattr(sources, "PROBE_WIDTH_PX", 256)
+
+
 def test_clipped_probes_are_listed_apart(probe_folder: Path):
     assert [probe.name for probe in read_lower_bounds(probe_folder)] == ["map5"]
     assert "map5" not in [probe.name for probe in read_probes(probe_folder)]
@@ -59,8 +68,11 @@ def test_tilts_change_the_picture_and_keep_its_light(probe_folder):
     again = make_examples(probes, recipe)
     assert np.array_equal(tilted.grid, again.grid)
     assert not np.array_equal(tilted.grid, plain.grid)
-    light = [each.energy.sum(1) + each.rest[:, 67] for each in (tilted, plain)]
-    assert light[0] == pytest.approx(light[1], rel=0.03)
+    # The exposure is measured anew; the lamp's share of all light stays.
+    share = [
+        each.energy.sum(1) / (each.energy.sum(1) + each.rest[:, 67]) for each in (tilted, plain)
+    ]
+    assert share[0] == pytest.approx(share[1], rel=0.05)
 
 
 def test_pictures_are_drawn_by_their_weight(probe_folder):
@@ -78,12 +90,15 @@ def test_pictures_are_drawn_by_their_weight(probe_folder):
 def test_skies_are_made_once_and_are_drawn_as_often_as_asked(probe_folder, tmp_path, monkeypatch):
     pytest.importorskip("mitsuba")
     from panokit.sphere import equirect_directions, irradiance
-    from panokit.train import synthetic_light
+    from panokit.train import examples, synthetic_light
     from panokit.train.examples import make_examples
     from panokit.train.sources import NOWHERE, other_sources
 
     monkeypatch.setattr(synthetic_light, "OUTDOORS", ("outdoor",))
     monkeypatch.setattr(synthetic_light, "SKY_WIDTH_PX", 256)
+    # So small and bright a sky hides much of its sun.
+    monkeypatch.setattr(examples, "SUN_GAIN", 1.0)
+    monkeypatch.setattr(examples, "SUN_SHARE", 0.0)
     probes = read_probes(probe_folder)
     synthetic = SyntheticRecipe(skies=1, grounded=1, shots_per_map=2, share=0.25)
     recipe = PLAIN.model_copy(update={"synthetic": synthetic})
@@ -96,23 +111,23 @@ def test_skies_are_made_once_and_are_drawn_as_often_as_asked(probe_folder, tmp_p
     assert others[0].map.path.stat().st_mtime_ns == before
 
     sky = others[0].radiance()
-    directions = equirect_directions(1024, 512)
+    directions = equirect_directions(256, 128)
     sun = np.unravel_index(int(sky[..., 1].argmax()), sky.shape[:2])
     assert sky.max() > 1000 * np.median(sky)
     assert directions[sun][1] > 0.03
     # The ground gives back a part of what it receives.
     received = irradiance(sky, np.array([[0.0, 1.0, 0.0]]))[0]
-    albedo = np.pi * np.median(sky[400:], axis=(0, 1)) / received
+    albedo = np.pi * np.median(sky[100:], axis=(0, 1)) / received
     assert (albedo > 0.04).all() and (albedo < 0.5).all()
     # The other one's ground is that of its probe, but for its scale.
-    grounded, own = others[1].radiance()[300:], probes[place].radiance()[300:]
+    grounded, own = others[1].radiance()[75:], probes[place].radiance()[75:]
     ratio = grounded / own
     assert ratio.std() / ratio.mean() < 0.02
 
     found = make_examples(probes, recipe, others=others)
     assert found.probe[-4:].tolist() == [NOWHERE, NOWHERE, place, place]
     assert found.weight[-4:].sum() / found.weight.sum() == pytest.approx(0.25)
-    # The sun of a bright sky may be less than an eighth of what is burnt out around it.
+    # A sky by day is one in which the sun can be; the lamps of the probes are none.
     assert found.sun[-4:].any()
     assert not found.sun[:-4].any()
 
