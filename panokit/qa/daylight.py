@@ -19,6 +19,9 @@ _COLOR_WEIGHT = 0.65
 # A smooth sky: the median step between neighbors, in stops, is smaller than this.
 _SMOOTH_STOPS = 2.0**-3
 _SKY_TO_SUN_WEIGHT = 0.5
+# Leaves: greener than red and than blue by so many octaves, over so much of the picture without
+# its poles. They are yellowish, never bluish; the weight brings them to the measure of skies.
+_GREENER, _LEAST_GREEN_SHARE, _LEAVES_WEIGHT = 0.15, 0.08, 1.5
 _FLOOR_STOPS = -8.0
 _LEAST_HEIGHT_PX = 32
 
@@ -40,8 +43,8 @@ def channel_order(measured: Measurements) -> Finding:
     """By how many octaves, in blue over red, what is above is bluer than what is below.
 
     Where the upper half is a smooth sky, its zenith beside the light as a whole counts too: a
-    sky is bluer than its sun. The smaller of the two is the figure; far below zero, red and
-    blue have changed places.
+    sky is bluer than its sun. So do leaves, which are redder than they are blue. The smallest
+    is the figure; far below zero, red and blue have changed places.
     """
     if measured.is_black or measured.tiny.shape[0] < _LEAST_HEIGHT_PX:
         return absent("the map is black or too small")
@@ -49,6 +52,8 @@ def channel_order(measured: Measurements) -> Finding:
     value = found.above_ground
     if found.smooth:
         value = min(value, _SKY_TO_SUN_WEIGHT * found.sky_to_light)
+    if found.leaves is not None:
+        value = min(value, -_LEAVES_WEIGHT * found.leaves)
     return Finding(value=value)
 
 
@@ -91,12 +96,16 @@ class _Blueness:
     def __init__(self, tiny: NDArray[np.float32]) -> None:
         light = np.asarray(luminance(tiny), np.float32)
         median = float(np.median(light)) or float(light.mean()) or 1.0
-        blue, red = (stops_over(tiny[..., c], median, _FLOOR_STOPS) for c in (2, 0))
+        red, green, blue = (stops_over(tiny[..., c], median, _FLOOR_STOPS) for c in range(3))
         blue_to_red = blue - red
         elevations = _elevations_deg(tiny.shape[0])
         above = blue_to_red[elevations > _CLEAR_OF_HORIZON_DEG]
         below = blue_to_red[elevations < -_CLEAR_OF_HORIZON_DEG]
         self.above_ground = float(np.median(above) - np.median(below))
+        cut = tiny.shape[0] // 8
+        leafy = (green - np.maximum(red, blue) > _GREENER)[cut:-cut]
+        enough = float(leafy.mean()) > _LEAST_GREEN_SHARE
+        self.leaves = float(np.median(blue_to_red[cut:-cut][leafy])) if enough else None
         whole = energy(tiny)
         overhead = float(np.median(blue_to_red[elevations > _OVERHEAD_DEG]))
         self.sky_to_light = overhead - float(np.log2(max(whole[2], 1e-30) / max(whole[0], 1e-30)))

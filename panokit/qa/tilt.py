@@ -22,7 +22,7 @@ _FLOOR_STOPS, _CEILING_STOPS = -6.0, 4.0
 _BAND_DEG, _LEAST_GRADIENT, _ALMOST_UPRIGHT_DEG = 50.0, 0.06, 14.0
 _VOTE_DEG = 1.5
 _MOST_EDGES, _LEAST_WEIGHT = 12000, 600.0
-_LEAST_CONTRAST = 1.2
+_LEAST_CONTRAST = 1.12
 # The horizon: where it is looked for, the height of the rows compared, and how much of the
 # round must agree.
 _HORIZON_BAND_DEG, _STEP_ROWS, _LEAST_STEP = 22.0, 4, 0.15
