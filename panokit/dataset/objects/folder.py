@@ -71,9 +71,6 @@ def load_mesh(path: Path) -> Mesh:
     starts = np.cumsum([0] + [len(points) for points, _ in pieces])
     points = np.concatenate([points for points, _ in pieces])
     faces = np.concatenate([f + s for f, s in zip(faces_of, starts, strict=False)])
-    parts = np.concatenate(
-        [np.full(len(f), n) for f, n in zip(faces_of, _part_numbers(pieces), strict=True)]
-    )
     used = np.unique(faces)
     if used[0] < 0 or used[-1] >= len(points):
         raise ImageError(
@@ -87,6 +84,9 @@ def load_mesh(path: Path) -> Mesh:
             "program.",
             reason="not-finite", values={"vertices": count},
         )  # fmt: skip
+    parts = np.concatenate(
+        [np.full(len(f), n) for f, n in zip(faces_of, _part_numbers(pieces), strict=True)]
+    )
     place = np.zeros(len(points), np.int64)
     place[used] = np.arange(len(used))
     return _tidy(points[used], place[faces], parts, path.name)
@@ -159,9 +159,7 @@ def _pieces(path: Path) -> list[tuple[NDArray[np.float64], NDArray[np.int64]]]:
 
 def _part_numbers(pieces: Sequence[tuple[NDArray[Any], NDArray[Any]]]) -> list[int]:
     """The largest piece is part 0, the next part 1, all others part 2."""
-    areas = [
-        -float(np.nan_to_num(np.linalg.norm(face_normals(p, f), axis=1)).sum()) for p, f in pieces
-    ]
+    areas = [-float(np.linalg.norm(face_normals(p, f), axis=1).sum()) for p, f in pieces]
     rank = np.argsort(np.argsort(areas, kind="stable"), kind="stable")
     return [min(int(place), MOST_PARTS - 1) for place in rank]
 

@@ -82,7 +82,7 @@ class Solids:
         ends = np.array([low, high], np.float64)
         half, middle = np.ptp(ends, axis=0) / 2, ends.mean(axis=0)
         radius = min(radius, 0.98 * half.min())
-        core, outward, faces = _rounded(2, 4 if np.any(bulge) else 1)
+        core, outward, faces = _rounded(2, 3 if np.any(bulge) else 1)
         swell = np.stack(
             [(1 - core[:, (a + 1) % 3] ** 2) * (1 - core[:, (a + 2) % 3] ** 2) for a in range(3)], 1
         )

@@ -191,10 +191,11 @@ def in_line(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def _picture(material: Material) -> NDArray[np.float32]:
+    """The texture of a material; Mitsuba has the first row at v = 0."""
     if material.texture is None:
         color = np.asarray(material.base_color, np.float32)
         return np.broadcast_to(color, (TEXTURE_PX, TEXTURE_PX, 3)).copy()
-    return material.texture
+    return np.ascontiguousarray(material.texture[::-1])
 
 
 class Camera:
@@ -228,7 +229,8 @@ class Camera:
             view.world_from_camera.matrix, np.asarray(view.position)
         )
         self._parameters["x_fov"] = view.fov_deg
-        self._parameters["principal_point_offset_x"] = view.shift_px / view.width_px
+        # It says where the picture is cut out, so that the object moves the other way.
+        self._parameters["principal_point_offset_x"] = -view.shift_px / view.width_px
         self._parameters.update()
 
     def aim_straight(self, distance_m: float) -> None:
