@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 
 from panokit.qa.batch import JudgedMap
+from panokit.qa.report.words import by_family
 from panokit.qa.verdicts import Check
-from panokit.report.values import Chart, Charts, Mark, Series
+from panokit.report.values import Chart, Charts, Group, Mark, Series
 from panokit.report.wording import words_of
 
 _FEWEST_MAPS = 12
@@ -12,14 +13,22 @@ _FEWEST_MAPS = 12
 _LOG_FROM = 100.0
 
 
-def check_charts(maps: Sequence[JudgedMap]) -> Charts | None:
+def check_charts(maps: Sequence[JudgedMap]) -> Group | None:
     """A histogram of every check that tells maps apart; None where there are too few maps."""
     checks: dict[str, list[Check]] = {}
     for judged in maps:
         for check in judged.report.checks if judged.report else ():
             checks.setdefault(check.name, []).append(check)
-    charts = [_check_chart(found) for found in checks.values() if _varies(_values(found))]
-    return Charts(title="Distributions", charts=tuple(charts)) if charts else None
+    told = {name: found for name, found in checks.items() if _varies(_values(found))}
+    families = by_family([found[0] for found in told.values()])
+    sections = tuple(
+        Charts(
+            title=words_of(family),
+            charts=tuple(_check_chart(told[check.name]) for check in members),
+        )
+        for family, members in families.items()
+    )
+    return Group(title="Distributions", sections=sections) if sections else None
 
 
 def difference_charts(maps: Sequence[JudgedMap]) -> Charts | None:

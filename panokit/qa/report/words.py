@@ -10,7 +10,7 @@ from panokit.provenance import Provenance
 from panokit.qa.comparison import Comparison
 from panokit.qa.distribution import Standing
 from panokit.qa.report.accuracy import grade_of
-from panokit.qa.verdicts import Check
+from panokit.qa.verdicts import Check, Verdict
 from panokit.report.values import Badge, Cell, Column, Table, Tone
 from panokit.report.wording import format_figure, format_limit, words_of
 
@@ -74,15 +74,16 @@ def failure_summary(failed: Sequence[Check]) -> str:
     """One sentence on the checks that fail, "" if none does."""
     if not failed:
         return ""
-    words = [_failure(check, check.to_json()) for check in failed]
+    words = [
+        f"{words_of(check.name).lower()} is {format_figure(check.value, check.unit)}, "
+        f"allowed is {_limits(check)}"
+        for check in failed
+    ]
     return f"Defect: {'; '.join(words)}."
 
 
 def check_tables(checks: Sequence[Check]) -> tuple[Table, ...]:
     """The checks, a table for each family; those without a family in the first."""
-    families: dict[str, list[Check]] = {}
-    for check in checks:
-        families.setdefault(str(check.to_json().get("family") or ""), []).append(check)
     return tuple(
         Table(
             title=f"Checks: {words_of(family).lower()}" if family else "Checks for defects",
@@ -90,39 +91,36 @@ def check_tables(checks: Sequence[Check]) -> tuple[Table, ...]:
             rows=tuple(_check_row(check) for check in members),
             headings=False,
         )
-        for family, members in sorted(families.items(), key=lambda one: one[0] != "")
+        for family, members in by_family(checks).items()
     )
 
 
+def by_family(checks: Sequence[Check]) -> dict[str, list[Check]]:
+    """Family -> its checks, in the order in which they come."""
+    families: dict[str, list[Check]] = {}
+    for check in checks:
+        families.setdefault(check.family, []).append(check)
+    return families
+
+
 def _check_row(check: Check) -> tuple[Cell, Cell]:
-    record = check.to_json()
-    said = [check.meaning, str(record.get("message") or record.get("reason") or "")]
-    judged = str(check.verdict) != "not-applicable"
+    judged = check.verdict is not Verdict.NOT_APPLICABLE
     return (
-        Cell(text=words_of(check.name), note=" ".join(s for s in said if s)),
+        Cell(text=words_of(check.name), note=" ".join(filter(None, (check.meaning, check.note)))),
         Cell(
             text=format_figure(check.value, check.unit),
             badge=_check_badge(str(check.verdict)),
-            note=_limits(record) if judged else "",
+            note=_limits(check) if judged else "",
         ),
     )
 
 
-def _failure(check: Check, record: Mapping[str, Any]) -> str:
-    said = f"{words_of(check.name).lower()} is {format_figure(check.value, check.unit)}"
-    limits = _limits(record)
-    if limits:
-        return f"{said}, allowed is {limits}"
-    return f"{said} ({record['message']})" if record.get("message") else said
-
-
-def _limits(record: Mapping[str, Any]) -> str:
-    low, high = record.get("low"), record.get("high", record.get("limit"))
-    if isinstance(low, int | float) and isinstance(high, int | float):
-        return f"{format_limit(low)} to {format_limit(high)}"
-    if isinstance(low, int | float):
-        return f"at least {format_limit(low)}"
-    return f"at most {format_limit(high)}" if isinstance(high, int | float) else ""
+def _limits(check: Check) -> str:
+    if check.low is not None and check.high is not None:
+        return f"{format_limit(check.low)} to {format_limit(check.high)}"
+    if check.low is not None:
+        return f"at least {format_limit(check.low)}"
+    return "" if check.high is None else f"at most {format_limit(check.high)}"
 
 
 def difference_table(comparison: Comparison) -> Table:
