@@ -3,15 +3,23 @@
 from collections import Counter
 from dataclasses import replace
 
+from panokit.console import Console
 from panokit.dataset.attempts import SampleEvent
 from panokit.dataset.progress import Progress
-from panokit.dataset.shard_task import ShardItem
+from panokit.dataset.shard_task import STAGE, ShardItem
 from panokit.engine import Loss
 from panokit.errors import PanokitError
 from panokit.records import RunFolder
 
 # A worker that dies may have been killed by chance; one that hangs hardly hangs by chance.
 _MOST_LOSSES = {"died": 3, "silent": 2}
+_BLAME = {
+    True: (
+        "before it began (in a script of your own, call render_dataset below "
+        '`if __name__ == "__main__":`; else look for a lack of memory)'
+    ),
+    False: "between two samples (look for a lack of memory or a failing disk)",
+}
 _REASONS = {"died": "worker-died", "silent": "timeout"}
 
 
@@ -21,11 +29,15 @@ class LossPolicy:
     Args:
         progress: Notes the losses.
         run: Logs them.
+        console: Tells of them.
         timeout_s: For the message.
     """
 
-    def __init__(self, progress: Progress, run: RunFolder, timeout_s: float) -> None:
-        self._progress, self._run, self._timeout_s = progress, run, timeout_s
+    def __init__(
+        self, progress: Progress, run: RunFolder, console: Console, timeout_s: float
+    ) -> None:
+        self._progress, self._run, self._console = progress, run, console
+        self._timeout_s = timeout_s
         self._counts: Counter[tuple[int, int]] = Counter()
         self._between: Counter[str] = Counter()
 
@@ -43,6 +55,7 @@ class LossPolicy:
         )
         reason = _REASONS[loss.reason]
         self._run.log("worker lost", shard=item.path.stem, reason=reason, message=message)
+        self._console.note(f"{STAGE}: a worker is replaced: {message}")
         index, attempt = (event.index, event.attempt) if event else (item.indices[0], 0)
         self._progress.lose(
             SampleEvent(kind="failed", index=index, attempt=attempt, reason=reason, message=message)
@@ -52,9 +65,8 @@ class LossPolicy:
             self._between[item.path.stem] += 1
             if self._between[item.path.stem] >= _MOST_LOSSES[loss.reason]:
                 raise PanokitError(
-                    f"The worker that writes the shard {item.path.stem} was lost "
-                    f"{self._between[item.path.stem]} times: {message}. Look for a lack of memory "
-                    "or a failing disk; what was done is kept."
+                    f"The shard {item.path.stem} lost its worker {self._between[item.path.stem]} "
+                    f"times {_BLAME[event is None]}: {message}. What was done is kept."
                 )
             return item
         self._counts[index, attempt] += 1

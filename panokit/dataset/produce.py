@@ -110,7 +110,7 @@ def render_dataset(
         with console.stage(STAGE, left, unit="samples") as tick:
             progress = Progress(failures=folder.failures, seed_of=maker.seed_of, tick=tick)
             task = ShardTask(maker=maker, spool=spool)
-            engine = _engine(production, shard_samples, progress, run)
+            engine = _engine(production, shard_samples, progress, run, console)
             for outcome in engine.run(task, waiting):
                 run.log("shard", shard=outcome.item)
         result = _result(folder, items, progress, time.monotonic() - started)
@@ -180,7 +180,11 @@ def _sort_out(spool: Spool, items: list[ShardItem], waiting: list[ShardItem]) ->
 
 
 def _engine(
-    production: ProductionSettings, shard_samples: int, progress: Progress, run: RunFolder
+    production: ProductionSettings,
+    shard_samples: int,
+    progress: Progress,
+    run: RunFolder,
+    console: Console,
 ) -> Engine:
     if production.workers == 0:
         return SerialEngine(on_report=progress.hear)
@@ -189,7 +193,7 @@ def _engine(
         items_per_worker=max(1, _SAMPLES_PER_WORKER // shard_samples),
         silence_s=production.timeout_s,
         on_report=progress.hear,
-        on_loss=LossPolicy(progress, run, production.timeout_s),
+        on_loss=LossPolicy(progress, run, console, production.timeout_s),
     )
 
 

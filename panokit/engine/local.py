@@ -18,6 +18,8 @@ from panokit.engine.worker import kill_group, serve
 from panokit.errors import PanokitError, UsageError
 
 _GOODBYE_S = 10.0
+# A process that starts imports much; on a busy machine that takes a while.
+_START_S = 120.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,11 +115,12 @@ class LocalEngine:
                 worker.rest()
                 yield value
                 return
-            worker.last_report = value
-            if self._on_report is not None:
-                self._on_report(value)
+            if word == "report":
+                worker.last_report = value
+                if self._on_report is not None:
+                    self._on_report(value)
             message = worker.next_message()
-        if worker.is_gone or worker.silent_for_s() >= (self._silence_s or float("inf")):
+        if worker.is_gone or worker.patience_s(self._silence_s) <= 0:
             reason: Literal["died", "silent"] = "died" if worker.is_gone else "silent"
             worker.kill()
             loss = Loss(reason=reason, exit_code=worker.exit_code, last_report=worker.last_report)
@@ -146,6 +149,7 @@ class _Worker:
         self.last_report: Any = None
         self.is_gone = False
         self._items = 0
+        self._is_ready = False
         self._heard = time.monotonic()
 
     @property
@@ -182,11 +186,15 @@ class _Worker:
             self.is_gone = True
             return None
         self._heard = time.monotonic()
+        self._is_ready = True
         return message
 
-    def silent_for_s(self) -> float:
-        """How long ago the worker was heard last."""
-        return time.monotonic() - self._heard
+    def patience_s(self, silence_s: float | None) -> float:
+        """How much longer the worker may be silent; while it starts, that is more."""
+        if silence_s is None:
+            return float("inf")
+        allowed = silence_s if self._is_ready else max(silence_s, _START_S)
+        return allowed - (time.monotonic() - self._heard)
 
     def rest(self) -> None:
         """Nothing in hand."""
@@ -217,13 +225,8 @@ class _Worker:
 
 def _ready(busy: "list[_Worker]", silence_s: float | None) -> "list[_Worker]":
     """Wait until something is to be heard of some workers; those, and any that are silent."""
-    left = None
-    if silence_s is not None:
-        left = max(0.0, silence_s - max(worker.silent_for_s() for worker in busy))
+    patience_s = min(worker.patience_s(silence_s) for worker in busy)
+    left = None if silence_s is None else max(0.0, patience_s)
     owners = {channel: worker for worker in busy for channel in worker.channels}
     ready = {id(owners[channel]) for channel in wait(list(owners), left)}  # type: ignore[index]
-    return [
-        worker
-        for worker in busy
-        if id(worker) in ready or worker.silent_for_s() >= (silence_s or float("inf"))
-    ]
+    return [worker for worker in busy if id(worker) in ready or worker.patience_s(silence_s) <= 0]

@@ -18,7 +18,7 @@ from typing import Any
 from panokit.engine.protocol import reports_to
 from panokit.errors import PanokitError
 
-FROM_WORKER = ("report", "outcome", "error")
+FROM_WORKER = ("ready", "report", "outcome", "error")
 
 
 def serve(pipe: "Connection[Any, Any]", task: Callable[[Any], Any]) -> None:
@@ -37,6 +37,7 @@ def serve(pipe: "Connection[Any, Any]", task: Callable[[Any], Any]) -> None:
             pipe.send((word, value))
 
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
+        send("ready", None)
         while (item := pipe.recv()) is not None:
             try:
                 with reports_to(lambda value: send("report", value)):

@@ -184,7 +184,7 @@ def test_a_sample_that_always_kills_its_worker_is_left_out(tmp_path):
 def test_an_attempt_that_hangs_is_ended_and_the_next_one_taken(tmp_path):
     started = time.monotonic()
     result = render(tmp_path, FakeMaker(troubles={2: "hangs"}), count=16, workers=1, timeout_s=3)
-    assert time.monotonic() - started < 60
+    assert time.monotonic() - started < 200
     assert (result.samples, result.rejected) == (16, {"timeout": 1})
     dataset = StereoDataset(tmp_path)
     assert dataset.meta(dataset.number_of("000000002"))["attempt"] == 1
@@ -240,7 +240,7 @@ def test_a_file_that_may_not_grow_ends_the_run_with_a_reason(tmp_path, finished_
 
     out = tmp_path / "stereo"
     driver = start_driver(tmp_path, out, 0, 0, stderr=subprocess.PIPE, preexec_fn=set_limit)
-    _, told = driver.communicate(timeout=60)
+    _, told = driver.communicate(timeout=240)
     assert driver.returncode != 0
     assert "StorageError: Cannot write" in told
     assert list(out.rglob("*.tar*")) == []
@@ -261,7 +261,7 @@ def test_drivers_and_workers_are_killed_at_random(tmp_path, finished_dataset):
     for kill_driver in (True, True, False):
         driver = start_driver(tmp_path, out, 2, 0.15, stderr=subprocess.DEVNULL)
         before = len(list(out.rglob("*.sample")))
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + 240
         while len(list(out.rglob("*.sample"))) <= before and time.monotonic() < deadline:
             time.sleep(0.02)
         time.sleep(chance.uniform(0, 0.6))
@@ -272,7 +272,7 @@ def test_drivers_and_workers_are_killed_at_random(tmp_path, finished_dataset):
         ]
         assert len(workers) == 2
         os.kill(driver.pid if kill_driver else chance.choice(workers), signal.SIGKILL)
-        assert driver.wait(timeout=60) == (-signal.SIGKILL if kill_driver else 0)
+        assert driver.wait(timeout=240) == (-signal.SIGKILL if kill_driver else 0)
     assert contents(out) == contents(finished_dataset)
 
 
@@ -304,3 +304,47 @@ def test_workers_are_replaced_before_they_grow(tmp_path, monkeypatch):
     monkeypatch.setattr(LocalEngine, "__init__", noting)
     render(tmp_path, count=4, workers=1, shard_samples=250)
     assert asked == [2]
+
+
+def test_a_script_that_starts_itself_again_is_told_so(tmp_path):
+    script = tmp_path / "unguarded.py"
+    body = _DRIVER.replace('if __name__ == "__main__":\n', "if True:\n")
+    script.write_text(body)
+    command = [sys.executable, str(script), str(tmp_path / "s"), "1", "0"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        command, env=environment, cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode != 0
+    assert 'below `if __name__ == "__main__":`' in done.stderr
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_command_leaves_order(library, tmp_path, number, code):
+    out = tmp_path / "stereo"
+    base = [
+        *(sys.executable, "-m", "panokit", "dataset", "render", "--probes", str(library)),
+        *("--out", str(out), "--count", "30", "--renderer", "analytic"),
+        *("--rig.width-px", "32", "--objects.per-kind", "3", "--objects.kinds", "vase"),
+    ]
+    command = [*base, "--workers", "2"]
+    driver = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    deadline = time.monotonic() + 240
+    while len(list(out.rglob("*.sample"))) < 2 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    # As a terminal does it: the whole group is told.
+    os.killpg(driver.pid, number)
+    _, told = driver.communicate(timeout=120)
+    assert driver.returncode == code
+    assert told.splitlines()[-1] == (
+        "panokit: Interrupted; what was done is kept. Run the same command to go on."
+    )
+    assert "Traceback" not in told
+    assert not (out / LOCK).exists()
+    kept = len(list(out.rglob("*.sample")))
+    assert kept >= 2
+    if number == signal.SIGINT:
+        command = [*base, "--workers", "0", "--json"]
+        again = subprocess.run(command, capture_output=True, text=True, check=True)
+        assert json.loads(again.stdout)["samples"] == 30
+        assert json.loads(again.stdout)["made"] <= 30 - kept
