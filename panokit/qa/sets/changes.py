@@ -218,10 +218,12 @@ def _shift(
     theirs = np.array([figures[name] is not None for figures in reference])
     if min(ours.sum(), theirs.sum()) < _LEAST_MAPS:
         return None
+    if not (ours.all() and theirs.all()):
+        sets = TwoSets(augmented=sets.augmented[ours], reference=sets.reference[theirs])
     return shift_between(
         _values(name, augmented),
         _values(name, reference),
-        TwoSets(augmented=sets.augmented[ours], reference=sets.reference[theirs]),
+        sets,
         permutations=settings.permutations,
         resamples=settings.resamples,
         seed=settings.seed,

@@ -25,6 +25,8 @@ COPY = 0.5
 HALF = 0.65
 # What the other half has less than where only one half is shared.
 _OTHER_HALF = 0.3
+# Pairs with less over the whole sphere, at the yaws of pixels, are not looked at more closely.
+_PERHAPS = 0.2
 # A bare sky has less detail than this, mostly the rim of its sun, and one sun is like another:
 # then only a nearly exact copy is one.
 _PLAIN_STOPS = 0.1
@@ -104,10 +106,10 @@ def find_near_duplicates(
             partners.setdefault(i, []).append(j)
     found = []
     for i, others in partners.items():
-        details = np.stack([descriptions[j].detail for j in others])
-        for j, shared in zip(others, _same_scenes(descriptions[i].detail, details), strict=True):
+        shared = _shared_with(descriptions[i].detail, [descriptions[j].detail for j in others])
+        for place, j in enumerate(others):
             meters = distance_m(places[i], places[j])
-            same = shared
+            same = shared.get(place)
             if same is None and meters is not None and meters < _SAME_PLACE_M:
                 same = {"likeness": Likeness.PLACE}
             if same is not None:
@@ -129,6 +131,21 @@ def _candidates(
     pairs = {(min(i, int(j)), max(i, int(j))) for i, row in enumerate(near) for j in row}
     pairs |= set(near_on_the_ground(places, _SAME_PLACE_M))
     return sorted((i, j) for i, j in pairs if i != j)
+
+
+def _shared_with(
+    detail: NDArray[np.float32], others: Sequence[NDArray[np.float32]]
+) -> dict[int, dict[str, Any]]:
+    """Which of others share something with a map, and what."""
+    details = np.stack(others)
+    likely = np.zeros(len(others), bool)
+    for turned in (details, details[:, :, ::-1]):
+        likely |= align(detail[None], turned, DETAIL_WIDTH_PX).correlation[0] >= _PERHAPS
+    places = np.flatnonzero(likely)
+    if not len(places):
+        return {}
+    found = _same_scenes(detail, details[places])
+    return {int(j): same for j, same in zip(places, found, strict=True) if same is not None}
 
 
 def _same_scenes(

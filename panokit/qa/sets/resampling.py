@@ -9,6 +9,7 @@ groups from set to set.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,8 +64,9 @@ def two_sets(augmented: Sequence[str], reference: Sequence[str]) -> TwoSets:
     )
 
 
+@lru_cache(maxsize=2)
 def permuted_labels(sets: TwoSets, count: int, seed: int) -> NDArray[np.bool_]:
-    """Labels as they might have been if both sets were one, (count, n + m) bool."""
+    """Labels as they might have been if both sets were one, (count, n + m) bool, read-only."""
     random = np.random.default_rng([seed, 0x7065726D])
     pooled, labels = sets.pooled, sets.labels
     shuffled = np.zeros((count, len(pooled)), bool)
@@ -83,11 +85,13 @@ def permuted_labels(sets: TwoSets, count: int, seed: int) -> NDArray[np.bool_]:
             taken = np.zeros(len(sizes), bool)
             taken[order[middles < wanted]] = True
             shuffled[row, apart] = taken[member]
+    shuffled.setflags(write=False)
     return shuffled
 
 
+@lru_cache(maxsize=2)
 def bootstrap_weights(sets: TwoSets, count: int, seed: int) -> Array:
-    """How often each map is drawn, (count, n + m) float64.
+    """How often each map is drawn, (count, n + m) float64, read-only.
 
     Groups of the augmented set alone, of the reference alone and of both are drawn apart, so
     that each draw has as many of each kind as there are.
@@ -100,7 +104,9 @@ def bootstrap_weights(sets: TwoSets, count: int, seed: int) -> Array:
         if len(groups):
             times = random.multinomial(len(groups), np.full(len(groups), 1 / len(groups)), count)
             drawn[:, groups] = times
-    return drawn[:, sets.pooled]
+    weights = drawn[:, sets.pooled]
+    weights.setflags(write=False)
+    return weights
 
 
 def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> Array:
