@@ -9,7 +9,7 @@ from panokit.capture import Capture
 from panokit.color import luminance
 from panokit.envmap import Anchor
 from panokit.errors import ImageError
-from panokit.expand.lighting import find_sun
+from panokit.expand.lighting import NO_HINT, SunHint, find_sun
 from panokit.expand.settings import ExpandSettings
 from panokit.frames import Frame
 from panokit.sphere import LightList, equirect_directions, find_lights, row_solid_angles
@@ -35,7 +35,7 @@ def find_scale(
     settings: ExpandSettings,
     frame: Frame,
     capture: Capture | None,
-    hint: NDArray[np.float64] | None = None,
+    hint: SunHint = NO_HINT,
 ) -> Scale:
     """The scale that the settings' anchor gives to a map.
 
@@ -44,7 +44,7 @@ def find_scale(
         settings: With at most one anchor.
         frame: Of the map; sky and sun need one that is level.
         capture: Of the panorama.
-        hint: Where a model says that the sun is; see `panokit.expand.lighting.find_sun`.
+        hint: What a model says of the sun.
 
     Raises:
         ImageError: If the map has not what the anchor speaks of.
@@ -97,9 +97,9 @@ def _sun_light(
     radiance: NDArray[np.float32],
     frame: Frame,
     capture: Capture | None,
-    hint: NDArray[np.float64] | None,
+    hint: SunHint,
 ) -> float:
-    if hint is None:
+    if hint.direction is None:
         _check_level(frame, "sun")
     lights: LightList = find_lights(radiance)
     sun = find_sun(radiance, lights, frame, capture, hint)

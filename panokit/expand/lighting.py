@@ -2,9 +2,9 @@
 
 The sun is told in three ways. Where the capture says when and where it was taken and the map's
 north is known, it is the light within 10 degrees of where the sun then stood ("ephemeris").
-Else, a model that looks for suns may have found it ("network"). Elsewhere it is a small light
-that dominates under a lit blue sky ("appearance"); suns behind leaves or haze are missed that
-way, on purpose: a lamp taken for the sun is worse.
+Else, a model that looks for suns may have found it ("network"); where it has found none, it is
+believed. Elsewhere it is a small light that dominates under a lit blue sky ("appearance"); suns
+behind leaves or haze are missed that way, on purpose: a lamp taken for the sun is worse.
 """
 
 from collections.abc import Callable, Mapping
@@ -44,6 +44,22 @@ _LEAST_BLUE_TO_RED = 1.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SunHint:
+    """What a model says of the sun.
+
+    Attributes:
+        direction: (3,) toward it, in the map's frame, or None where it sees none.
+        looked: Whether the model looks for suns at all; one that does not says nothing.
+    """
+
+    direction: NDArray[np.float64] | None = None
+    looked: bool = False
+
+
+NO_HINT = SunHint()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sun:
     """The sun as an analytic light; the map holds its light, too.
 
@@ -73,7 +89,7 @@ def find_sun(
     lights: LightList,
     frame: Frame,
     capture: Capture | None,
-    hint: NDArray[np.float64] | None = None,
+    hint: SunHint = NO_HINT,
 ) -> Sun | None:
     """The sun among the lights of a map, or None where there is none to be sure of.
 
@@ -82,13 +98,14 @@ def find_sun(
         lights: Of the map.
         frame: Of the map; the sky is up only where it is level.
         capture: Of the panorama, which may know time and place.
-        hint: (3,) where a model says that the sun is, or None.
+        hint: What a model says.
     """
     known = _known_direction(frame, capture)
     if known is not None:
         return _sun_at(known, lights, "ephemeris") if known[1] > 0 else None
-    hinted = None if hint is None else _sun_at(hint, lights, "network")
-    if hinted is not None or frame is Frame.CAMERA:
+    hinted = None if hint.direction is None else _sun_at(hint.direction, lights, "network")
+    denied = hint.looked and hint.direction is None
+    if hinted is not None or denied or frame is Frame.CAMERA:
         return hinted
     light = lights.primary
     if light is None or not _looks_like_sun(light, lights):
@@ -125,7 +142,7 @@ def describe_lighting(
     *,
     most_lights: int,
     harmonics_order: int,
-    hint: NDArray[np.float64] | None = None,
+    hint: SunHint = NO_HINT,
     range_at: Callable[[NDArray[np.float64]], tuple[float, float] | None] | None = None,
 ) -> Mapping[str, Any]:
     """Lights, sun and harmonics of a map, for its record.
@@ -136,7 +153,7 @@ def describe_lighting(
         capture: Of the panorama, or None.
         most_lights: How many lights are listed.
         harmonics_order: Highest degree.
-        hint: Where a model says that the sun is; see `find_sun`.
+        hint: What a model says of the sun.
         range_at: Between which factors of its energy a light in a direction may lie, or None
             where nobody says.
     """

@@ -38,6 +38,7 @@ class Answer:
         component_gain: (K,) float32, log gain of each component.
         sun: (K,) float32, probability that a component is the sun.
         grid_weight: How much the grid counts in the log of a component's energy.
+        looks_for_sun: Whether the model tells suns from lamps; if not, `sun` is 0.
     """
 
     log_gain: NDArray[np.float32]
@@ -45,6 +46,7 @@ class Answer:
     component_gain: NDArray[np.float32]
     sun: NDArray[np.float32]
     grid_weight: float = 0.5
+    looks_for_sun: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -60,6 +62,7 @@ class Prediction:
         component_energy: (K,) float64, of each component as the component network has it.
         sun: (K,) float32, probability that a component is the sun.
         grid_weight: How much `grid_energy` counts in the log of a component's energy.
+        looks_for_sun: Whether the model tells suns from lamps; if not, `sun` is 0.
     """
 
     log_gain: NDArray[np.float32]
@@ -69,6 +72,7 @@ class Prediction:
     component_energy: NDArray[np.float64]
     sun: NDArray[np.float32]
     grid_weight: float = 0.5
+    looks_for_sun: bool = False
 
     @property
     def energy(self) -> NDArray[np.float64]:
@@ -157,6 +161,7 @@ class ExpansionNetwork:
             component_gain=component_gain[:count],
             sun=sun[:count],
             grid_weight=weight,
+            looks_for_sun="expansion" in self._files,
         )
 
     def _over_rolls(
@@ -197,6 +202,7 @@ def predict(reduced: ReducedPanorama, network: ExpansionNetwork) -> Prediction:
         component_energy=components.energy * np.exp(answer.component_gain),
         sun=answer.sun,
         grid_weight=answer.grid_weight,
+        looks_for_sun=answer.looks_for_sun,
     )
 
 

@@ -13,7 +13,7 @@ from panokit.expand.anchoring import find_scale
 from panokit.expand.baselines import area_gains, expand_area, expand_reinhard, expand_srgb
 from panokit.expand.components import find_components
 from panokit.expand.features import CONTRAST_WIDTH_PX
-from panokit.expand.lighting import describe_lighting, sun_hint
+from panokit.expand.lighting import NO_HINT, SunHint, describe_lighting, sun_hint
 from panokit.expand.network import TASK, Prediction, compose, load_network, predict
 from panokit.expand.reduce import ReducedPanorama, reduce_panorama
 from panokit.expand.settings import VERSION, ExpandSettings
@@ -63,9 +63,10 @@ def expand(panorama: Panorama, settings: ExpandSettings | None = None) -> Enviro
     whole, found, prediction = _expanded(panorama.pixels, reduced, settings, width_px)
     # Lights are the same on a small copy, and need far less memory.
     view = resize_radiance(whole, working_px)
-    hint = None
+    hint = NO_HINT
     if prediction is not None:
-        hint = sun_hint(view, prediction.components.labels, prediction.sun)
+        where = sun_hint(view, prediction.components.labels, prediction.sun)
+        hint = SunHint(direction=where, looked=prediction.looks_for_sun)
     radiance = resize_radiance(whole, width_px)
     small = view if width_px > working_px else radiance
     scale = find_scale(small, settings, panorama.frame, panorama.capture, hint)

@@ -5,7 +5,7 @@ import pytest
 
 from panokit.capture import Capture, TimePrecision, license_from_spdx
 from panokit.color import luminance
-from panokit.expand.lighting import describe_lighting, find_sun, sun_hint
+from panokit.expand.lighting import SunHint, describe_lighting, find_sun, sun_hint
 from panokit.frames import Frame, angle_between, direction_from_azimuth_elevation
 from panokit.sphere import energy, equirect_directions, find_lights, harmonics_map
 from panokit.sun import SUN_SOLID_ANGLE, sun_direction
@@ -125,13 +125,30 @@ def test_the_analytic_sun_is_as_strong_as_the_real_disk_would_be():
     assert (sun.irradiance / SUN_SOLID_ANGLE > 1e4).all()
 
 
+def saw(direction) -> SunHint:
+    return SunHint(direction=direction, looked=True)
+
+
+def test_a_model_that_looked_and_saw_no_sun_is_believed():
+    radiance = day(toward(20, 45))
+    lights = find_lights(radiance)
+    assert find_sun(radiance, lights, Frame.LEVEL, None).evidence == "appearance"
+    assert find_sun(radiance, lights, Frame.LEVEL, None, saw(None)) is None
+    # One that does not look for suns says nothing.
+    silent = SunHint(direction=None, looked=False)
+    assert find_sun(radiance, lights, Frame.LEVEL, None, silent).evidence == "appearance"
+    # One that sees a sun where there is no light has at least seen a sunny day.
+    elsewhere = find_sun(radiance, lights, Frame.LEVEL, None, saw(toward(120, 10)))
+    assert elsewhere.evidence == "appearance"
+
+
 def test_a_model_that_sees_the_sun_is_believed_where_there_is_a_light():
     radiance = night(toward(20, 45))
     lights = find_lights(radiance)
-    sun = find_sun(radiance, lights, Frame.CAMERA, None, toward(22, 46))
+    sun = find_sun(radiance, lights, Frame.CAMERA, None, saw(toward(22, 46)))
     assert sun.evidence == "network"
     assert sun.irradiance == pytest.approx(lights.lights[0].irradiance)
-    assert find_sun(radiance, lights, Frame.LEVEL, None, toward(120, 10)) is None
+    assert find_sun(radiance, lights, Frame.LEVEL, None, saw(toward(120, 10))) is None
 
 
 def test_a_hint_is_the_middle_of_the_component_that_is_most_likely_the_sun():
