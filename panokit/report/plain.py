@@ -57,8 +57,8 @@ def sections_of(title: str, value: Any) -> tuple[Section, ...]:
     if _is_numbers(value) and len(value) > _LONGEST_LINE:
         return (_charts(title, {title: value}),)
     if isinstance(value, list | tuple):
-        return (Text(title=title, paragraphs=tuple(_text(v) for v in value) or ("None.",)),)
-    return (Text(title=title, paragraphs=("None." if value == {} else _text(value),)),)
+        return (Text(title=title, paragraphs=tuple(in_words(v) for v in value) or ("None.",)),)
+    return (Text(title=title, paragraphs=("None." if value == {} else in_words(value),)),)
 
 
 def _mapping(title: str, value: Mapping[str, Any]) -> tuple[Section, ...]:
@@ -235,10 +235,11 @@ def _cell(value: Any) -> Cell:
         return Cell(text=format_figure(value), sort=float(value))
     if isinstance(value, str) and value in _TONES:
         return Cell(badge=Badge(text=value, tone=_TONES[value]))
-    return Cell(text=_text(value))
+    return Cell(text=in_words(value))
 
 
-def _text(value: Any) -> str:
+def in_words(value: Any) -> str:
+    """Any JSON value as one line, with its figures as a person would write them."""
     if value is None:
         return "–"
     if isinstance(value, bool):
@@ -246,7 +247,7 @@ def _text(value: Any) -> str:
     if _is_number(value):
         return format_figure(value)
     if isinstance(value, list | tuple):
-        return ", ".join(_text(v) for v in value) or "none"
+        return ", ".join(in_words(v) for v in value) or "none"
     if isinstance(value, Mapping):
-        return ", ".join(f"{words_of(k)}: {_text(v)}" for k, v in value.items()) or "none"
+        return ", ".join(f"{words_of(k)}: {in_words(v)}" for k, v in value.items()) or "none"
     return str(value)

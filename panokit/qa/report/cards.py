@@ -132,7 +132,7 @@ def _facts(judged: JudgedMap) -> tuple[Section, ...]:
         if key not in _SHOWN and value not in (None, (), [], {}, ""):
             facts += sections_of(words_of(key), value)
     if judged.provenance.steps:
-        facts.append(words.step_table(judged.provenance))
+        facts.append(words.step_group(judged.provenance))
     return (*facts, _terms(judged))
 
 

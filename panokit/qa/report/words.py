@@ -11,7 +11,8 @@ from panokit.qa.comparison import Comparison
 from panokit.qa.distribution import Standing
 from panokit.qa.report.accuracy import grade_of
 from panokit.qa.verdicts import Check, Verdict
-from panokit.report.values import Badge, Cell, Column, Table, Tone
+from panokit.report.plain import in_words
+from panokit.report.values import Badge, Cell, Column, Group, Table, Tone
 from panokit.report.wording import format_figure, format_limit, words_of
 
 _TIME_FORMATS: Mapping[TimePrecision, str] = {
@@ -169,10 +170,9 @@ def _standing_row(standing: Standing) -> tuple[Cell, Cell, Cell]:
     )
 
 
-def step_table(provenance: Provenance) -> Table:
-    """The provenance, one line for each step."""
-    return Table(
-        title=f"How it was made: {', '.join(step.stage for step in provenance.steps)}",
+def step_group(provenance: Provenance) -> Group:
+    """The provenance, one line for each step, closed until it is asked for."""
+    table = Table(
         columns=(Column(label="Step"), Column(label="With")),
         rows=tuple(
             (
@@ -183,6 +183,8 @@ def step_table(provenance: Provenance) -> Table:
         ),
         headings=False,
     )
+    stages = ", ".join(step.stage for step in provenance.steps)
+    return Group(title=f"How it was made: {stages}", sections=(table,), folded=True)
 
 
 def _values(values: Mapping[str, Any]) -> str:
@@ -190,9 +192,5 @@ def _values(values: Mapping[str, Any]) -> str:
 
 
 def _short(value: Any) -> str:
-    if isinstance(value, float):
-        return format_figure(value)
-    if isinstance(value, list | tuple) and all(isinstance(v, int | float) for v in value):
-        value = "[" + ", ".join(format_figure(v) for v in value) + "]"
-    text = str(value)
+    text = in_words(value)
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 1] + "…"
