@@ -1,6 +1,7 @@
 """`panokit qa`: judge maps, compare them with references, write a report."""
 
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -12,6 +13,9 @@ from panokit.qa.settings import QaSettings
 if TYPE_CHECKING:
     from panokit.qa.batch import QaResult
 
+_MOST_LISTED = 20
+_COLUMNS = 78
+
 
 def qa(
     inputs: list[Path],
@@ -21,6 +25,7 @@ def qa(
     reference: Path | None = None,
     truth: Path | None = None,
     title: str = "Light probes",
+    pictures: bool = False,
     settings: Annotated[QaSettings, Parameter(name="*")] = QaSettings(),
     json: Json = False,
 ) -> int:
@@ -40,6 +45,8 @@ def qa(
         protocol and pictured. Then the reference gives no truths.
     title
         The heading of the report.
+    pictures
+        Also draw where each map lies among captured maps: OUT/plausibility/NAME.png.
     """
     from panokit.errors import UsageError
     from panokit.qa import find_items, write_report
@@ -53,7 +60,13 @@ def qa(
         raise UsageError("Say where the report goes with --out DIR.")
     items = find_items(inputs)
     result = judge(
-        items, settings, reference=reference, truth=truth, out=target, stage=console.stage
+        items,
+        settings,
+        reference=reference,
+        truth=truth,
+        out=target,
+        pictures=pictures,
+        stage=console.stage,
     )
     report = write_report(result, target, title=title)
     for judged in result.unreadable:
@@ -63,11 +76,28 @@ def qa(
         f"qa: {len(result.passed)} without a defect, {len(result.failed)} with one, "
         f"{len(result.unreadable)} unreadable"
     )
-    for line in _against(result):
+    for line in (*_defects(result), *_against(result)):
         console.result(line)
     console.result(f"Report: {report}")
     console.value(result.to_json())
     return 1 if result.unreadable else 0
+
+
+def _defects(result: "QaResult") -> list[str]:
+    """Each check that fails, with its figure and its limits, under the name of the map."""
+    lines = []
+    for judged in result.failed[:_MOST_LISTED]:
+        lines.append(f"  {judged.item.name}")
+        for check in judged.report.failed if judged.report else ():
+            limits = " to ".join(
+                f"{limit:g}" for limit in (check.low, check.high) if limit is not None
+            )
+            said = f"{check.name}: {check.value:.3g} {check.unit}".rstrip() + f", allowed {limits}"
+            text = f"{said}; {check.note}" if check.note else said
+            lines += wrap(text, _COLUMNS, initial_indent="    ", subsequent_indent="      ")
+    if len(result.failed) > _MOST_LISTED:
+        lines.append(f"  and {len(result.failed) - _MOST_LISTED} more: see the report")
+    return lines
 
 
 def _against(result: "QaResult") -> list[str]:

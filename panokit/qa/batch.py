@@ -8,19 +8,23 @@ from typing import Any
 from panokit.capture import Capture
 from panokit.envmap import EnvironmentMap
 from panokit.errors import ItemError, Rejection, UsageError
-from panokit.io import read_environment_map
+from panokit.io import read_environment_map, write_bytes
 from panokit.provenance import Provenance
 from panokit.qa.against import Stage, matches_of, no_stage, pairs_of, set_against
-from panokit.qa.checks import check
+from panokit.qa.checks import check_measured
 from panokit.qa.comparison import Comparison, compare
 from panokit.qa.distribution import Standing, scale_free_figures, standings
 from panokit.qa.items import QaItem, find_maps
+from panokit.qa.measurements import Measurements
 from panokit.qa.pairs.judging import PairResults
+from panokit.qa.plausibility import FIGURES, plausibility_figures
+from panokit.qa.reference_set import ReferenceSet, own_reference, shipped_reference
 from panokit.qa.sets.comparing import SetComparison
 from panokit.qa.settings import VERSION, QaSettings
 from panokit.qa.verdicts import Report, Verdict
 
 SCHEMA = "panokit.qa/1"
+PLAUSIBILITY = "plausibility"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,6 +131,7 @@ def qa(
     reference: Path | None = None,
     truth: Path | None = None,
     out: Path | None = None,
+    pictures: bool = False,
     stage: Stage = no_stage,
     on_judged: Callable[[JudgedMap], None] | None = None,
 ) -> QaResult:
@@ -138,11 +143,13 @@ def qa(
         maps: What to judge.
         settings: The limits.
         reference: A folder of maps. One with the name of a judged map is its truth; the
-            others, if they are enough, make the distribution that each map is placed in; all
-            of them, if they are enough, are the set that the maps are held against as a set.
+            others, if they are enough, make the distribution that each map is placed in, and
+            take the place of the shipped figures in the check of plausibility; all of them,
+            if they are enough, are the set that the maps are held against as a set.
         truth: A folder of true maps, by the names of the maps or of their captures; then
             `reference` gives no truths.
         out: The report's folder: pictures of pairs and what is known of each map go there.
+        pictures: Whether OUT/plausibility/NAME.png shows where each map lies.
         stage: Shows progress; `panokit.console.Console.stage` does.
         on_judged: Called after each map.
 
@@ -154,14 +161,20 @@ def qa(
     settings = settings or QaSettings()
     others = _other_references(maps, reference)
     matches = matches_of(maps, reference, truth)
-    population, skipped = _measure_references(others)
-    if len(population) < settings.reference_count_min:
-        population = {}
+    population, among, skipped = _measure_references(others, settings.reference_count_min)
+    drawn = out / PLAUSIBILITY if out and pictures else None
     judged_maps = []
     with stage("qa", len(maps)) as tick:
         for item in maps:
             true_map = matches.truths.get(item.name)
-            judged = judge_item(item, settings, truth=true_map, population=population.values())
+            judged = judge_item(
+                item,
+                settings,
+                truth=true_map,
+                population=population.values(),
+                among=among,
+                drawn=drawn,
+            )
             judged_maps.append(judged)
             tick(rejected=judged.rejection is not None)
             if on_judged:
@@ -185,6 +198,8 @@ def judge_item(
     *,
     truth: Path | None = None,
     population: Iterable[Mapping[str, float | None]] = (),
+    among: ReferenceSet | None = None,
+    drawn: Path | None = None,
 ) -> JudgedMap:
     """Judge one map; see `qa`.
 
@@ -193,15 +208,20 @@ def judge_item(
         settings: The limits.
         truth: The map it should be.
         population: `scale_free_figures` of each reference map of another place.
+        among: The maps to place it among; None for those that ship.
+        drawn: The folder for a picture of that; None for none.
     """
     try:
         envmap = read_environment_map(item.map_path)
     except ItemError as error:
         rejection = _rejection(item.name, item.map_path, error)
         return JudgedMap(item=item, rejection=rejection, capture=item.capture)
+    measured = Measurements(envmap, item.capture, among)
+    if drawn is not None:
+        _draw(measured, item.name, drawn)
     return JudgedMap(
         item=item,
-        report=check(envmap, settings, capture=item.capture),
+        report=check_measured(measured, settings),
         comparison=_compare_with(envmap, truth, settings) if truth else None,
         standings=standings(scale_free_figures(envmap), population),
         capture=item.capture or envmap.capture,
@@ -237,15 +257,30 @@ def _names(item: QaItem) -> tuple[str, ...]:
 
 
 def _measure_references(
-    files: Mapping[str, Path],
-) -> tuple[dict[str, dict[str, float | None]], tuple[Rejection, ...]]:
-    measured, skipped = {}, []
+    files: Mapping[str, Path], least: int
+) -> tuple[dict[str, dict[str, float | None]], ReferenceSet | None, tuple[Rejection, ...]]:
+    """The figures of the reference maps, for two purposes; none where there are too few."""
+    measured, placed, skipped = {}, [], []
     for name, path in files.items():
         try:
-            measured[name] = scale_free_figures(read_environment_map(path))
+            envmap = read_environment_map(path)
         except ItemError as error:
             skipped.append(_rejection(name, path, error))
-    return measured, tuple(skipped)
+            continue
+        measured[name] = scale_free_figures(envmap)
+        placed.append(plausibility_figures(Measurements(envmap)) or {})
+    among = own_reference(placed, FIGURES, least)
+    return measured if len(measured) >= least else {}, among, tuple(skipped)
+
+
+def _draw(measured: Measurements, name: str, folder: Path) -> None:
+    # matplotlib takes a second to import, which only those pay who want pictures.
+    from panokit.qa.plausibility_figure import draw_plausibility
+
+    figures = plausibility_figures(measured)
+    if figures is not None:
+        among = measured.reference or shipped_reference()
+        write_bytes(folder / f"{name}.png", draw_plausibility(figures, among, name))
 
 
 def _rejection(name: str, path: Path, error: ItemError) -> Rejection:

@@ -15,7 +15,7 @@ _COARSER = np.array([-1, 0, 2, 0, -1], np.float32) / np.float32(4)
 _CONTRAST_STOPS = (0.01, 0.25)
 _WINDOW_PX = 5
 # With less of the picture fit to be looked at, nothing is said.
-_LEAST_SHARE = 0.05
+_LEAST_SHARE = 0.2
 _LEAST_WIDTH_PX = 256
 _MOST_COLUMNS = 1024
 

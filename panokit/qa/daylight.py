@@ -22,6 +22,10 @@ _SKY_TO_SUN_WEIGHT = 0.5
 # Leaves: greener than red and than blue by so many octaves, over so much of the picture without
 # its poles. They are yellowish, never bluish; the weight brings them to the measure of skies.
 _GREENER, _LEAST_GREEN_SHARE, _LEAVES_WEIGHT = 0.15, 0.08, 1.5
+# Daylight: the upper half is brighter than the lower one by so many stops, or holds a sun, a
+# light so small that gives such a share of all.
+_SKY_OVER_GROUND_STOPS = 0.5
+_SUN_RADIUS, _SUN_SHARE = np.deg2rad(1.5), 0.15
 _FLOOR_STOPS = -8.0
 _LEAST_HEIGHT_PX = 32
 
@@ -44,11 +48,14 @@ def channel_order(measured: Measurements) -> Finding:
 
     Where the upper half is a smooth sky, its zenith beside the light as a whole counts too: a
     sky is bluer than its sun. So do leaves, which are redder than they are blue. The smallest
-    is the figure; far below zero, red and blue have changed places.
+    is the figure; far below zero, red and blue have changed places. Under a ceiling anything
+    goes: without a bright upper half or a sun, nothing is said.
     """
     if measured.is_black or measured.tiny.shape[0] < _LEAST_HEIGHT_PX:
         return absent("the map is black or too small")
     found = _blueness(measured)
+    if found.sky_over_ground < _SKY_OVER_GROUND_STOPS and not _has_sun(measured):
+        return absent("what is above is neither brighter than the ground nor holds a sun")
     value = found.above_ground
     if found.smooth:
         value = min(value, _SKY_TO_SUN_WEIGHT * found.sky_to_light)
@@ -111,7 +118,24 @@ class _Blueness:
         self.sky_to_light = overhead - float(np.log2(max(whole[2], 1e-30) / max(whole[0], 1e-30)))
         stops = stops_over(light, median, _FLOOR_STOPS)
         steps = np.abs(stops - np.roll(stops, 1, axis=1)) + np.abs(np.gradient(stops, axis=0))
+        above_median, below_median = (
+            float(np.median(stops[part]))
+            for part in (
+                elevations > _CLEAR_OF_HORIZON_DEG,
+                elevations < -_CLEAR_OF_HORIZON_DEG,
+            )
+        )
+        self.sky_over_ground = above_median - below_median
         self.smooth = float(np.median(steps[elevations > _CLEAR_OF_HORIZON_DEG])) < _SMOOTH_STOPS
+
+
+def _has_sun(measured: Measurements) -> bool:
+    return any(
+        light.angular_radius < _SUN_RADIUS
+        and light.direction[1] > 0
+        and light.luminance > _SUN_SHARE * measured.total
+        for light in measured.lights.lights
+    )
 
 
 def _blueness(measured: Measurements) -> _Blueness:

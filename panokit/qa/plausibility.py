@@ -100,16 +100,20 @@ def place(figures: dict[str, float], reference: ReferenceSet) -> Placement:
     return min(placements, key=lambda placement: placement.distance)
 
 
+def deviations(values: NDArray[np.float64], maps: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far figures (..., F) are from the middle of maps (n, F), in robust deviations."""
+    middle = np.median(maps, axis=0)
+    spread = np.median(np.abs(maps - middle), axis=0) * _MAD_TO_SIGMA
+    off = (values - middle) / np.maximum(spread, _LEAST_SPREAD)
+    return np.clip(off, -_MOST_DEVIATIONS, _MOST_DEVIATIONS)
+
+
 def _place_in(
     own: NDArray[np.float64], names: tuple[str, ...], category: str, maps: NDArray[np.float64]
 ) -> Placement:
-    middle = np.median(maps, axis=0)
-    spread = np.median(np.abs(maps - middle), axis=0) * _MAD_TO_SIGMA
-    spread = np.maximum(spread, _LEAST_SPREAD)
-    off = np.clip((own - middle) / spread, -_MOST_DEVIATIONS, _MOST_DEVIATIONS)
-    theirs = np.clip((maps - middle) / spread, -_MOST_DEVIATIONS, _MOST_DEVIATIONS)
+    off = deviations(own, maps)
     distance = float(np.sqrt(np.mean(off**2)))
-    distances = np.sqrt(np.mean(theirs**2, axis=1))
+    distances = np.sqrt(np.mean(deviations(maps, maps) ** 2, axis=1))
     below = (maps < own).mean(axis=0) + 0.5 * (maps == own).mean(axis=0)
     return Placement(
         category=category,

@@ -36,13 +36,13 @@ class QaSettings(Settings):
     clipped_area_max_percent: float = Field(0.02, ge=0, le=100)
     """Largest share of the sphere on a flat plateau at the map's maximum."""
 
-    clipped_source_max_px: float = Field(2.5, ge=0)
+    clipped_source_max_px: float = Field(3.0, ge=0)
     """Most equally bright pixels, of a map 1024 wide, at the top of a small source."""
 
     contrast_min: float = Field(0.6, ge=0)
     """Least contrast, as a multiple of that of captured light; a gamma left in gives 0.45."""
 
-    contrast_max: float = Field(1.7, ge=0)
+    contrast_max: float = Field(2.0, ge=0)
     """Largest contrast, as a multiple of that of captured light; a curve undone twice gives 2.2."""
 
     source_share_max: float = Field(0.995, ge=0, le=1)

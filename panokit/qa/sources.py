@@ -12,7 +12,7 @@ from panokit.sphere import Light
 # Sources wider than this are windows; two of them are often alike.
 _SMALL = np.deg2rad(2.5)
 # Twins agree so well, in octaves, in energy, in each channel of their color, and in width.
-_TWIN_ENERGY, _TWIN_COLOR, _TWIN_WIDTH = 0.35, 0.1, 0.9
+_TWIN_ENERGY, _TWIN_COLOR, _TWIN_WIDTH = 0.5, 0.1, 0.9
 _DARKEST_CHANNEL = 1e-6
 
 

@@ -3,7 +3,8 @@
 Both are votes over tilts. The image of an upright line lies on a great circle through the
 zenith, so the gradient across it is at right angles to up; houses and trunks have many. And
 where sky meets a flat land or the sea all around, the boundary is a circle around up. Either
-speaks only where it is clear, and a landscape of hills and trees says nothing.
+speaks only where it is clear and where two halves of the azimuths, cut like a cake into
+alternating pieces, say the same. A landscape of hills and trees says nothing.
 """
 
 from dataclasses import dataclass
@@ -21,14 +22,16 @@ _FLOOR_STOPS, _CEILING_STOPS = -6.0, 4.0
 # Upright edges: where they are looked for, how strong, how near to upright, how many.
 _BAND_DEG, _LEAST_GRADIENT, _ALMOST_UPRIGHT_DEG = 50.0, 0.06, 14.0
 _VOTE_DEG = 1.5
-_MOST_EDGES, _LEAST_WEIGHT = 12000, 600.0
+_MOST_EDGES, _LEAST_WEIGHT = 12000, 400.0
 _LEAST_CONTRAST = 1.12
 # The horizon: where it is looked for, the height of the rows compared, and how much of the
 # round must agree.
 _HORIZON_BAND_DEG, _STEP_ROWS, _LEAST_STEP = 22.0, 4, 0.15
 _AZIMUTHS = 64
 _HEIGHTS_DEG = np.arange(-3.0, 5.01, 0.5)
-_LEAST_AGREEMENT = 0.66
+_LEAST_AGREEMENT = 0.6
+# Each half of the azimuths, alternating in so many pieces, must find the same up to this.
+_PIECES, _HALVES_DIFFER_DEG = 16, 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,36 +73,54 @@ def find_tilt(radiance: NDArray[np.float32]) -> Tilt | None:
 
 
 def _by_lines(stops: NDArray[np.float32]) -> float | None:
-    normals, weights = _upright_edges(stops)
+    normals, weights, azimuths = _upright_edges(stops)
     if weights.sum() < _LEAST_WEIGHT:
         return None
     if len(normals) > _MOST_EDGES:
         some = np.linspace(0, len(normals) - 1, _MOST_EDGES).astype(np.int64)
-        weights = weights[some] * (len(normals) / _MOST_EDGES)
-        normals = normals[some]
-    steps = np.tan(np.deg2rad(np.arange(-_REACH_DEG, _REACH_DEG + 0.01, 1.0)))
-    x, z = (axis.ravel() for axis in np.meshgrid(steps, steps))
-    ups = np.stack([x, np.ones_like(x), z], axis=-1).astype(np.float32)
-    ups /= np.linalg.norm(ups, axis=1, keepdims=True)
+        normals, weights, azimuths = normals[some], weights[some], azimuths[some]
+    ups = _tilted_ups(1.0)
     off = (normals @ ups.T) / np.float32(np.sin(np.deg2rad(_VOTE_DEG)))
-    votes = weights @ (1 / (1 + off * off))
+    each = weights[:, None] / (1 + off * off)
+    first_half = (np.floor(azimuths / (2 * np.pi) * _PIECES).astype(np.int64) % 2) == 0
+    halves = [each[first_half].sum(axis=0), each[~first_half].sum(axis=0)]
+    votes = halves[0] + halves[1]
     best = int(np.argmax(votes))
     if votes[best] < _LEAST_CONTRAST * np.median(votes):
         return None
-    up = ups[best].astype(np.float64)
+    up = _refined(ups[best].astype(np.float64), normals, weights)
+    for mask, half in ((first_half, halves[0]), (~first_half, halves[1])):
+        own = _refined(ups[int(np.argmax(half))].astype(np.float64), normals[mask], weights[mask])
+        if own @ up < np.cos(np.deg2rad(_HALVES_DIFFER_DEG)):
+            return None
+    angle = float(np.degrees(np.arccos(np.clip(up[1], -1, 1))))
+    return angle if angle <= _REACH_DEG else None
+
+
+def _tilted_ups(step_deg: float) -> NDArray[np.float32]:
+    """Unit vectors, (n, 3), for all tilts within reach, a step apart."""
+    steps = np.tan(np.deg2rad(np.arange(-_REACH_DEG, _REACH_DEG + 0.01, step_deg)))
+    x, z = (axis.ravel() for axis in np.meshgrid(steps, steps))
+    ups = np.stack([x, np.ones_like(x), z], axis=-1).astype(np.float32)
+    return ups / np.linalg.norm(ups, axis=1, keepdims=True)
+
+
+def _refined(
+    up: NDArray[np.float64], normals: NDArray[np.float32], weights: NDArray[np.float32]
+) -> NDArray[np.float64]:
+    """Up at right angles to the normals that are nearly so already, by weighted least squares."""
     for _ in range(4):
         off = (normals @ up) / np.sin(np.deg2rad(_VOTE_DEG))
         weighted = normals * (weights / (1 + off * off) ** 2)[:, None]
         _, vectors = np.linalg.eigh(weighted.T @ normals)
         up = vectors[:, 0] * (1 if vectors[1, 0] >= 0 else -1)
-    angle = float(np.degrees(np.arccos(np.clip(up[1], -1, 1))))
-    return angle if angle <= 1.5 * _REACH_DEG else None
+    return up
 
 
 def _upright_edges(
     stops: NDArray[np.float32],
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """The unit normals of the great circles of near-upright edges, (n, 3), and their weights."""
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float64]]:
+    """The unit normals of the great circles of near-upright edges, (n, 3), weights, azimuths."""
     height, width = stops.shape
     wide = cv2.GaussianBlur(np.pad(stops, ((0, 0), (8, 8)), mode="wrap"), (0, 0), 1.0)
     directions = equirect_directions(width, height)
@@ -117,7 +138,8 @@ def _upright_edges(
     gradient = across[rows, columns, None] * east + upward[rows, columns, None] * north
     strength = size[rows, columns]
     normals = gradient / strength[:, None]
-    return normals.astype(np.float32), np.minimum(strength, 0.5) * flat
+    azimuths = (columns + 0.5) / width * (2 * np.pi)
+    return normals.astype(np.float32), np.minimum(strength, 0.5) * flat, azimuths
 
 
 def _by_horizon(stops: NDArray[np.float32], color: NDArray[np.float32]) -> float | None:
@@ -136,15 +158,22 @@ def _by_horizon(stops: NDArray[np.float32], color: NDArray[np.float32]) -> float
     steps = np.arange(-_REACH_DEG, _REACH_DEG + 0.01, 0.5)
     x, z = (axis.ravel() for axis in np.meshgrid(steps, steps))
     curves = x[:, None] * np.sin(azimuth) + z[:, None] * np.cos(azimuth)
-    best = np.zeros(len(x))
-    for own_height_deg in _HEIGHTS_DEG:
+    halves = np.zeros((2, len(x), len(_HEIGHTS_DEG)))
+    first_half = (np.arange(_AZIMUTHS) * _PIECES // _AZIMUTHS) % 2 == 0
+    for number, own_height_deg in enumerate(_HEIGHTS_DEG):
         found = np.rint(reach - (curves + own_height_deg) / step_deg).astype(np.int64)
         inside = (found >= 0) & (found < len(rows))
         seen = around[np.clip(found, 0, len(rows) - 1), np.arange(_AZIMUTHS)]
-        best = np.maximum(best, np.where(inside, seen, 0).mean(axis=1))
+        seen = np.where(inside, seen, 0)
+        halves[:, :, number] = seen[:, first_half].mean(axis=1), seen[:, ~first_half].mean(axis=1)
+    best = halves.mean(axis=0).max(axis=1)
     chosen = int(np.argmax(best))
     if best[chosen] < _LEAST_AGREEMENT:
         return None
+    for half in halves.max(axis=2):
+        own = int(np.argmax(half))
+        if np.hypot(x[own] - x[chosen], z[own] - z[chosen]) > _HALVES_DIFFER_DEG:
+            return None
     # Among tilts that fit as well as the best, the one nearest to level is the fairest guess.
     as_good = best >= best[chosen] - 0.02
     return float(np.hypot(x, z)[as_good].min())
