@@ -168,6 +168,8 @@ class CyclesRenderer:
         job: dict[str, Any],
     ) -> dict[str, dict[str, NDArray[np.float32]]]:
         """Channels by layer of each file, by the number of the view and the kind of picture."""
+        if not self.close.alive:
+            raise PanokitError("This renderer is closed. Make another one.")
         self._job += 1
         name = f"job{self._job}"
         arrays = {

@@ -80,7 +80,7 @@ def _world(scene: Any) -> None:
     world = bpy.data.worlds.new("light")
     world.use_nodes = True
     # An automatic map is built anew for every change, which costs more than a second.
-    world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", 256
+    world.cycles.sampling_method = "MANUAL"
     nodes = world.node_tree.nodes
     nodes.clear()
     picture = nodes.new("ShaderNodeTexEnvironment")
@@ -123,6 +123,9 @@ def fill(job: dict, arrays: Any) -> None:
     """Put the map, the triangles and the materials of a job into the scene."""
     scene = bpy.context.scene
     scene.world.node_tree.nodes["map"].image = _image("light", arrays["light"])
+    # Finer than the map: light that is interpolated beside a sun must be met as often.
+    finer = 2 * arrays["light"].shape[1]
+    scene.world.cycles.sample_map_resolution = min(max(finer, 256), 1024)
     for name in ("object", "floor"):
         old = bpy.data.objects.get(name)
         if old is not None:

@@ -125,7 +125,9 @@ class MitsubaRenderer:
             shadow, behind = _shadow(both, bare, coverage)
             radiance = np.maximum(both[..., :3] - behind * (1 - coverage[..., None]), 0)
             radiance[coverage == 0] = 0
-        if quality.denoise:
+        if quality.bounces == 0:
+            radiance = np.zeros_like(radiance)
+        elif quality.denoise:
             radiance = _denoised(radiance, guides)
             radiance[coverage == 0] = 0
         return ViewPasses(
@@ -218,7 +220,10 @@ def _camera(width_px: int, height_px: int, kind: str, centered: bool = False) ->
 
 @lru_cache(maxsize=8)
 def _integrator(bounces: int) -> Any:
-    return load_mitsuba().load_dict(
+    mitsuba = load_mitsuba()
+    # The scalar variant sees nothing, not even that something is there, without a bounce.
+    bounces = max(bounces, 1 if mitsuba.variant().startswith("scalar") else 0)
+    return mitsuba.load_dict(
         {"type": "path", "max_depth": bounces + 1, "rr_depth": _ROULETTE, "hide_emitters": True}
     )
 

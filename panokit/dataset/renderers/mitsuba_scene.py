@@ -128,12 +128,26 @@ class LoadedScene:
         normals: NDArray[np.float32],
         places: NDArray[np.float32],
     ) -> None:
-        mitsuba, name = load_mitsuba(), f"part{index}"
         faces = np.arange(3 * len(corners), dtype=np.uint32)
-        values = (("vertex_positions", corners), ("vertex_normals", normals))
-        for key, array in (*values, ("vertex_texcoords", places)):
-            self._parameters[f"{name}.{key}"] = mitsuba.Float(in_line(array))
-        self._parameters[f"{name}.faces"] = mitsuba.UInt32(in_line(faces))
+        values = {
+            "vertex_positions": corners,
+            "vertex_normals": normals,
+            "vertex_texcoords": places,
+            "faces": faces,
+        }
+        for name, array in values.items():
+            key = f"part{index}.{name}"
+            # The type of an array is another one in each variant.
+            self._assign(key, type(self._parameters[key])(in_line(array)))
+
+    def _assign(self, key: str, value: Any) -> None:
+        """Set a parameter; the scalar variant cannot compare it with one of another length."""
+        if not load_mitsuba().variant().startswith("scalar"):
+            self._parameters[key] = value
+            return
+        place, kind, _, _ = self._parameters.properties[key]
+        self._parameters.set_dirty(key)
+        self._parameters.set_property(*((place,) if kind is None else (place, kind)), value)
 
     def set_floor(self, height_m: float, middle: NDArray[np.floating[Any]]) -> None:
         """Lay the floor level at this height, around a place."""
