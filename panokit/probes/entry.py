@@ -1,7 +1,8 @@
 """One line of the library's list, and which lines a filter lets pass."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from datetime import UTC
+from itertools import product
 from typing import Any, NamedTuple
 
 from panokit.probes.probe import Probe
@@ -72,6 +73,10 @@ class Entry(NamedTuple):
 
 COLUMNS = Entry._fields
 _FIRST_FLAG = COLUMNS.index("has_sun")
+# All that flags can be, as numbers and as flags: looking up is faster than converting.
+_FLAGS = {
+    flags: tuple(map(bool, flags)) for flags in product((0, 1), repeat=len(COLUMNS) - _FIRST_FLAG)
+}
 
 # Field of the filter -> condition with one question mark for each value of it.
 _CONDITIONS = {
@@ -140,9 +145,9 @@ def entry_of(probe: Probe) -> Entry:
     )
 
 
-def entry_from_row(row: Sequence[Any]) -> Entry:
+def entry_from_row(row: tuple[Any, ...]) -> Entry:
     """The entry of a row of the index, whose flags are 0 and 1."""
-    return Entry(*row[:_FIRST_FLAG], *map(bool, row[_FIRST_FLAG:]))
+    return Entry._make(row[:_FIRST_FLAG] + _FLAGS[row[_FIRST_FLAG:]])
 
 
 def query_of(wanted: ProbeFilter) -> tuple[str, list[Any]]:

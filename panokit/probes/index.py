@@ -13,7 +13,7 @@ from panokit.probes.entry import COLUMNS, Entry, entry_from_row, query_of
 from panokit.probes.settings import ProbeFilter
 
 # Raise it when the columns change: an index of another layout is made anew.
-_LAYOUT = 3
+_LAYOUT = 4
 _BUSY_TIMEOUT_S = 10.0
 IN_MEMORY = Path(":memory:")
 # SQLite tells a full disk as a failed write as often as not; less than this is full.
@@ -135,7 +135,11 @@ class Index:
                 with connection:
                     connection.execute("DROP TABLE IF EXISTS probes")
                     connection.execute("DROP TABLE IF EXISTS descriptors")
-                    connection.execute(f"CREATE TABLE probes ({', '.join(COLUMNS)})")
+                    # Kept by name, as they are listed, so that listing needs no sorting.
+                    connection.execute(
+                        f"CREATE TABLE probes ({', '.join(COLUMNS)}, PRIMARY KEY (name, id)) "
+                        "WITHOUT ROWID"
+                    )
                     connection.execute("CREATE UNIQUE INDEX probes_by_id ON probes (id)")
                     connection.execute("CREATE TABLE descriptors (id PRIMARY KEY, numbers)")
                     connection.execute(f"PRAGMA user_version = {_LAYOUT}")

@@ -4,7 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from panokit.errors import RecordError, UsageError
@@ -38,6 +38,7 @@ def least_distance(ids, known):
     return gaps[~np.eye(len(ids), dtype=bool)].min()
 
 
+@settings(deadline=None)
 @given(
     available=st.dictionaries(st.text(max_size=3), st.integers(1, 30), min_size=1, max_size=6),
     count=st.integers(1, 60),
