@@ -20,8 +20,8 @@ def main(report, out):
         page = browser.new_page(viewport={"width": 1280, "height": 860})
         page.goto(Path(report).resolve().as_uri() + MAP)
         page.wait_for_selector("#view[data-drawn]", timeout=60_000)
-        # Toward the sun, three stops down, against the photograph.
-        for key in ["ArrowRight"] * 16 + ["ArrowUp"] * 5 + ["c"] * 2 + ["["] * 3:
+        # Toward the sun, two stops down, against the photograph.
+        for key in ["ArrowLeft"] * 30 + ["ArrowUp"] * 5 + ["c"] * 2 + ["["] * 2:
             page.keyboard.press(key)
         page.wait_for_timeout(3000)
         page.screenshot(path=out, type="jpeg", quality=84)

@@ -314,3 +314,15 @@ def test_a_link_to_a_map_opens_it(open_tab, report):
     tab = open_tab(report("quay", "mill"), hash="#map-mill")
     tab.wait_drawn()
     assert tab.page.locator("#viewer-title").text_content() == "mill"
+    tab.press("ArrowRight")
+    tab.wait_for("document.getElementById('view-status').textContent.includes('Azimuth 5°')")
+
+
+def test_keys_work_after_a_click_beside_the_controls(open_tab, report):
+    tab = open_tab(report("quay", "mill"))
+    tab.open_map()
+    tab.page.locator("#viewer-subtitle").click()
+    tab.press("ArrowRight")
+    tab.wait_for("document.getElementById('view-status').textContent.includes('Azimuth 5°')")
+    tab.press("n")
+    assert tab.page.locator("#viewer-title").text_content() == "mill"

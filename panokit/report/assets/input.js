@@ -61,15 +61,15 @@ function listenToKeys(viewer) {
     viewer.change({ yaw: wrapped(view.yaw + yaw), pitch: Math.max(-limit, Math.min(limit, view.pitch + pitch)) });
   };
   const brighter = (by) => viewer.change({ ev: clampEv(viewer.view.ev + by) });
-  // What the arrows do while the picture has the focus.
-  const onCanvas = {
+  // What the arrows do unless a control has the focus that has a use for them itself.
+  const arrows = {
     ArrowLeft: () => turn(-KEY_TURN, 0),
     ArrowRight: () => turn(KEY_TURN, 0),
     ArrowUp: () => turn(0, KEY_TURN),
     ArrowDown: () => turn(0, -KEY_TURN),
     Home: () => viewer.change({ ...START, compare: viewer.view.compare }),
   };
-  // What letters do wherever the focus is in the dialog.
+  // What letters do wherever the focus is.
   const anywhere = {
     "+": () => viewer.change(zoomed(viewer.view, 1 / KEY_ZOOM)),
     "=": () => viewer.change(zoomed(viewer.view, 1 / KEY_ZOOM)),
@@ -84,10 +84,14 @@ function listenToKeys(viewer) {
     n: () => viewer.step(1),
     p: () => viewer.step(-1),
   };
-  viewer.dialog.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || !viewer.loaded && !"np".includes(event.key)) return;
-    const action = (event.target === viewer.canvas && onCanvas[event.key]) || anywhere[event.key];
-    if (!action || (event.target.tagName === "SELECT")) return;
+  // On the document: a click beside the controls takes the focus out of the dialog.
+  document.addEventListener("keydown", (event) => {
+    if (!viewer.dialog.open || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!viewer.loaded && !"np".includes(event.key)) return;
+    const { target } = event;
+    const turns = target === viewer.canvas || target === viewer.dialog || target === document.body;
+    const action = (turns && arrows[event.key]) || anywhere[event.key];
+    if (!action || target.tagName === "SELECT") return;
     event.preventDefault();
     action();
   });

@@ -43,6 +43,8 @@ class Viewer {
       if (ticket !== this.opened) return;
       this.loaded = { first, second: null };
       await this.loadSecond(ticket);
+      // Opened by a link, the browser takes the focus to the link's place.
+      if (!this.dialog.contains(document.activeElement)) this.canvas.focus();
     } catch (error) {
       if (ticket === this.opened) this.fall(`The map cannot be shown: ${error.message}.`);
       return;
