@@ -85,8 +85,8 @@ def train_component_net(
     history = _history(f"components-{seed}", run, checkpoint)
     network.train()
     while run.step < recipe.steps:
-        if team.size > 1:
-            # A checkpoint has one random state; alone, it simply goes on.
+        if team != ALONE:
+            # A checkpoint has the random state of one CPU, which goes on from step to step.
             torch.manual_seed(_seed_of_step(seed, run, team))
         picked = torch.from_numpy(team.part(known.draw(recipe.batch, run.random)))
         batch = {name: tensor[picked].to(team.device) for name, tensor in tensors.items()}

@@ -95,3 +95,10 @@ def test_expandnet_has_folds_too(probe_folder, tmp_path):
     times = [path.stat().st_mtime_ns for path in paths]
     assert train(tmp_path, "any-name.toml", EXPANDNET, probe_folder) == 0
     assert [path.stat().st_mtime_ns for path in paths] == times
+
+
+def test_what_has_no_ensemble_has_no_members(probe_folder, tmp_path, capsys):
+    options = ("--fold-members", "1")
+    assert train(tmp_path, "any-name.toml", EXPANDNET, probe_folder, *options) == 2
+    assert "--fold-members goes with" in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "work").exists()
