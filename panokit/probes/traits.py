@@ -11,6 +11,7 @@ from panokit.sphere import find_lights, resize_radiance
 
 NATIVE, LIFTED, SYNTHETIC = "native", "lifted", "synthetic"
 _WIDTH_PX = 512
+_STREET_PROVIDERS = ("panoramax", "mapillary", "google-tiles", "google-static")
 
 
 def kind_of(capture: Capture | None, provenance: Provenance) -> str:
@@ -23,8 +24,14 @@ def kind_of(capture: Capture | None, provenance: Provenance) -> str:
 
 
 def category_of(capture: Capture | None) -> str:
-    """The kind of scene that a capture tells of, "" where it does not."""
-    return str(capture.details.get("scene") or "") if capture else ""
+    """The kind of scene that a capture tells of, "" where it does not.
+
+    Services of street pictures need not say it: their pictures are of streets.
+    """
+    if capture is None:
+        return ""
+    by_provider = "outdoor_street" if capture.provider in _STREET_PROVIDERS else ""
+    return str(capture.details.get("scene") or by_provider)
 
 
 def tags_of(capture: Capture | None) -> tuple[str, ...]:

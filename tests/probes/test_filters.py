@@ -114,6 +114,13 @@ def test_a_line_tells_all_that_filters_ask_for(library):
     assert sunny.sun_elevation_deg == pytest.approx(40, abs=4)
 
 
+def test_a_picture_of_a_street_service_is_of_a_street(tmp_path, make_map):
+    with Library.create(tmp_path) as library:
+        assert library.add(make_map(1)).probe.category == "outdoor_street"
+        assert library.add(make_map(2), category="park").probe.category == "park"
+        assert library.add(a_map("unknown")).probe.category == ""
+
+
 def test_the_moon_is_no_sun(tmp_path):
     with Library.create(tmp_path) as library:
         assert library.add(a_map("day", sun=True)).probe.sun is not None

@@ -218,7 +218,9 @@ def test_records_of_before_are_read(library, make_map):
         del record["probe"][name]
     path.write_text(json.dumps(record))
     old = library.show(probe.id)
-    assert (old.kind, old.category, old.descriptor, old.sun) == ("lifted", "", (), None)
+    assert (old.kind, old.category, old.descriptor, old.sun) == (
+        "lifted", "outdoor_street", (), None,
+    )  # fmt: skip
     assert library.reindex() == 1
     assert library.list()[0].kind == "lifted"
 
