@@ -34,18 +34,24 @@ def index_shards(shards: Sequence[Path], digest: str = "") -> pa.Table:
         RecordError: If a shard or a record in it is damaged.
         StorageError: If one cannot be read.
     """
-    rows = [row for shard in shards for row in shard_rows(shard)]
-    members = {name.removeprefix(OFFSET) for row in rows for name in row if OFFSET in name}
-    names = in_order(members)
-    schema = pa.schema(
-        [
-            *((name, kind) for name, kind in OWN.items()),
-            *((name, kind) for name, (kind, _) in FROM_META.items()),
-            *((prefix + name, pa.int64()) for name in names for prefix in (OFFSET, BYTES)),
-        ],
-        metadata={"panokit.schema": SCHEMA, "panokit.shards": digest},
-    )
-    return pa.Table.from_pylist(rows, schema=schema)
+    # One shard's rows at a time: as Python objects all of them would take too much memory.
+    tables = [_table(list(shard_rows(shard))) for shard in shards] or [_table([])]
+    whole = pa.concat_tables(tables, promote_options="default")
+    columns = [*OWN, *FROM_META]
+    for name in in_order(member_names(whole)):
+        columns += [OFFSET + name, BYTES + name]
+    metadata = {"panokit.schema": SCHEMA, "panokit.shards": digest}
+    return whole.select(columns).combine_chunks().replace_schema_metadata(metadata)
+
+
+def _table(rows: Sequence[Mapping[str, Any]]) -> pa.Table:
+    members = sorted({name for row in rows for name in row if name.startswith((OFFSET, BYTES))})
+    fields = [
+        *OWN.items(),
+        *((name, kind) for name, (kind, _) in FROM_META.items()),
+        *((name, pa.int64()) for name in members),
+    ]
+    return pa.Table.from_pylist(list(rows), schema=pa.schema(fields))
 
 
 def shards_digest(shards: Sequence[Path]) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from panokit.console import Console
 from panokit.dataset.decode import decode_member
@@ -81,12 +82,13 @@ def verify_dataset(folder: Path, console: Console | None = None) -> Verification
     console = console or Console(quiet=True)
     asked = int(read_description(place.root)["count"])
     table = read_index(place.root)
-    rows: dict[str, dict[str, Any]] = {row["key"]: row for row in table.to_pylist()}
     shards = sorted(place.shards.glob("*.tar"))
     problems: list[Problem] = []
     seen: Counter[str] = Counter()
     with console.stage("verify", len(shards)) as tick:
         for shard in shards:
+            part = table.filter(pc.equal(table.column("shard"), shard.name))
+            rows = {row["key"]: row for row in part.to_pylist()}
             found = list(_check_shard(shard, rows, seen))
             problems += found
             tick(rejected=bool(found))
@@ -101,7 +103,7 @@ def verify_dataset(folder: Path, console: Console | None = None) -> Verification
             reason="not-in-shards",
             message=f"The index has the sample {key}; no shard has. Render again to mend it.",
         )
-        for key in rows
+        for key in table.column("key").to_pylist()
         if key not in seen
     ]
     problems += check_splits(table)
@@ -153,7 +155,7 @@ def _check_shard(shard: Path, rows: Mapping[str, _Row], seen: Counter[str]) -> I
                 members = {member.name: member for member in group}
                 row = rows.get(key)
                 if row is None:
-                    message = "The index has no such sample. Render again to mend it."
+                    message = "The index has it not, or elsewhere. Render again to mend it."
                     yield Problem(
                         place=f"{shard.name}/{key}", reason="not-indexed", message=message
                     )
