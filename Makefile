@@ -14,7 +14,7 @@ MODEL ?= expand-2
 WORK ?= work
 BIN = $(VENV)/bin
 
-.PHONY: help demo test check test-slow test-browser bench bench-report bench-library bench-peers bench-stitchers bench-qa expansion-table docs clean
+.PHONY: help demo test check test-slow test-browser bench bench-report bench-library bench-peers bench-stitchers bench-qa bench-dataset expansion-table docs clean
 
 help:
 	@echo "make demo       light probes from the embedded city, with a report (core packages only)"
@@ -26,6 +26,7 @@ help:
 	@echo "make bench-report  a report of 200 probes: its size, and how soon it is open (needs PANOKIT_DATA)"
 	@echo "make bench-library  a library of 10,000 probes: listing, filters, indexing"
 	@echo "make bench-peers  geometry against skylibs, equilib and py360convert"
+	@echo "make bench-dataset  CPU time of dataset samples, and Mitsuba beside Cycles (needs PANOKIT_DATA)"
 	@echo "make bench-qa   how often QA sees deliberate damage (needs PANOKIT_DATA)"
 	@echo "make bench-stitchers  stitching against OpenCV, OpenStitching, Hugin (needs PANOKIT_DATA)"
 	@echo "make expansion-table  expansion methods on probes none has seen (needs PANOKIT_DATA; hours)"
@@ -62,6 +63,9 @@ bench-library: $(VENV)/.installed
 
 bench-peers: $(VENV)/.installed $(PEERS)/.installed
 	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/peers/compare.py $(PEERS)/bin/python
+
+bench-dataset: $(VENV)/.installed
+	$(BIN)/python tests/benchmarks/dataset_render.py $(PANOKIT_DATA)
 
 bench-qa: $(VENV)/.installed
 	$(BIN)/python tests/benchmarks/qa_damage.py $(PANOKIT_DATA)
