@@ -4,6 +4,7 @@ aligning   one frame, one size, one scale
 scoring    every protocol of `panokit.metrics`, and summaries of many pairs
 pictures   known scenes under the truth and under the estimate
 judging    which truth belongs to which map; `judge_pairs`
+showing    the sections of a report
 """
 
 from typing import TYPE_CHECKING

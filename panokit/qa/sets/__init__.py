@@ -15,6 +15,7 @@ duplicates    maps that show the same thing
 places        where and when
 coverage      what of the reference is reached
 comparing     `compare_sets`: all of it
+showing       the sections of a report; showing_changes the table of figures
 """
 
 from typing import TYPE_CHECKING

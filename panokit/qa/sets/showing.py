@@ -1,34 +1,28 @@
 """A set beside its reference, as sections of a report."""
 
-from collections.abc import Sequence
-
-from panokit.qa.sets.changes import Change, Effect
+from panokit.qa.sets.changes import Effect
 from panokit.qa.sets.comparing import SetComparison
 from panokit.qa.sets.multivariate import Separation
+from panokit.qa.sets.showing_changes import (
+    REFERENCE,
+    THESE,
+    TONES,
+    change_charts,
+    change_table,
+    percent,
+)
 from panokit.report.values import (
-    Badge,
     Cell,
-    Chart,
-    Charts,
     Column,
     Count,
     Counts,
     Group,
     Section,
-    Series,
     Table,
     Text,
-    Tone,
 )
 from panokit.report.wording import format_figure, words_of
 
-_TONES: dict[Effect, Tone] = {
-    Effect.DISTORTS: "fail",
-    Effect.ADDS: "good",
-    Effect.SAME: "",
-    Effect.UNDECIDED: "",
-}
-_THESE, _REFERENCE = "These maps", "Reference"
 _MOST_ROWS = 200
 
 
@@ -37,8 +31,8 @@ def set_sections(found: SetComparison) -> tuple[Section, ...]:
     sections: list[Section | None] = [
         _head(found),
         Text(paragraphs=(_explanation(found),), small=True),
-        _changes(found.changes),
-        _charts(found.changes),
+        change_table(found.changes),
+        change_charts(found.changes),
         _distances(found),
         _neighborhood(found),
         _coverage(found),
@@ -63,7 +57,7 @@ def _head(found: SetComparison) -> Counts:
             Count(
                 label=label,
                 value=str(found.effects[str(effect)]),
-                tone=_TONES[effect] if found.effects[str(effect)] else "",
+                tone=TONES[effect] if found.effects[str(effect)] else "",
             )
             for effect, label in labels.items()
         )
@@ -89,111 +83,10 @@ def _explanation(found: SetComparison) -> str:
         f"{settings.false_discovery:g}) and its median is shifted for sure by at least "
         f"{settings.shift_min:g} interquartile ranges (IQR) of the reference, or its spread is "
         f"under {settings.narrower_max:g} of the reference's; it adds range if more than "
-        f"{_percent(settings.outside_expected)} of the maps lie outside the reference's 5 to 95 % "
+        f"{percent(settings.outside_expected)} of the maps lie outside the reference's 5 to 95 % "
         f"range for sure; it is the same if no shift beyond {settings.same_within:g} IQR is "
         "possible. Intervals are 95 % bootstraps over scenes."
     )
-
-
-def _changes(changes: Sequence[Change]) -> Table:
-    return Table(
-        title="What is added and what is distorted",
-        columns=(
-            Column(label="Figure"),
-            Column(label="Effect"),
-            Column(label=_REFERENCE, numeric=True),
-            Column(label=_THESE, numeric=True),
-            Column(label="Shift in IQR", numeric=True),
-            Column(label="Distance in IQR", numeric=True),
-            Column(label="Outside", numeric=True),
-            Column(label="From own truth in IQR", numeric=True),
-        ),
-        rows=tuple(_change_row(change) for change in changes),
-        note="Medians with the 5 to 95 % range. The distance is Wasserstein-1, beside what chance "
-        "alone stays under in 95 of 100 cases.",
-        sortable=True,
-    )
-
-
-def _change_row(change: Change) -> tuple[Cell, ...]:
-    name = Cell(text=change.descriptor.label)
-    badge = Badge(text=str(change.effect), tone=_TONES[change.effect])
-    shift, unit = change.shift, change.descriptor.unit
-    if shift is None:
-        return (name, Cell(badge=badge, note=change.reason), *(Cell(text="–") for _ in range(6)))
-    own = change.own_change
-    outside = shift.outside
-    return (
-        name,
-        Cell(badge=badge, note=change.reason, sort=_order(change)),
-        _range(shift.reference, unit),
-        _range(shift.augmented, unit),
-        _interval(shift.shift.value, shift.shift.low, shift.shift.high),
-        Cell(
-            text=format_figure(shift.distance.value),
-            note=f"chance {format_figure(shift.distance_null)}",
-            sort=shift.distance.value,
-        ),
-        Cell(
-            text=_percent(outside.value),
-            note=f"{_percent(shift.below)} below, {_percent(shift.above)} above",
-            sort=outside.value,
-        ),
-        _interval(own.value, own.low, own.high) if own else Cell(text="–"),
-    )
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.0f} %"
-
-
-def _order(change: Change) -> float:
-    return float(list(Effect).index(change.effect))
-
-
-def _range(quantiles: Sequence[float], unit: str) -> Cell:
-    low, _, median, _, high = quantiles
-    return Cell(
-        text=format_figure(median, unit),
-        note=f"{format_figure(low)} to {format_figure(high)}",
-        sort=median,
-    )
-
-
-def _interval(value: float, low: float, high: float) -> Cell:
-    return Cell(
-        text=format_figure(value), note=f"{format_figure(low)} to {format_figure(high)}", sort=value
-    )
-
-
-def _charts(changes: Sequence[Change]) -> Group | None:
-    charts = []
-    for change in changes:
-        drawn = change.distribution
-        if drawn is None or change.shift is None:
-            continue
-        effect = words_of(str(change.effect))
-        reference, ours = (
-            tuple(100 * count / max(sum(counts), 1) for count in counts)
-            for counts in (drawn.reference_counts, drawn.augmented_counts)
-        )
-        charts.append(
-            Chart(
-                title=change.descriptor.label,
-                unit=change.descriptor.unit,
-                kind="bins",
-                at=drawn.edges,
-                series=(
-                    Series(label=f"{_REFERENCE}, %", values=reference),
-                    Series(label=f"{_THESE}, %", values=ours),
-                ),
-                meaning=f"{change.descriptor.meaning} {effect}: {change.reason}.",
-            )
-        )
-    if not charts:
-        return None
-    inner = Charts(charts=tuple(charts), note="Heights are percent of the maps of each set.")
-    return Group(title="Distributions side by side", sections=(inner,), folded=True)
 
 
 def _distances(found: SetComparison) -> Table:
@@ -239,7 +132,7 @@ def _neighborhood(found: SetComparison) -> Table | None:
         title="Precision and recall",
         columns=(
             Column(label="Share"),
-            Column(label=_THESE, numeric=True),
+            Column(label=THESE, numeric=True),
             Column(label="Halves of the reference", numeric=True),
         ),
         rows=tuple(
@@ -271,12 +164,12 @@ def _coverage(found: SetComparison) -> Table | None:
         title="Coverage",
         columns=(
             Column(label="Kind"),
-            Column(label=_REFERENCE, numeric=True),
+            Column(label=REFERENCE, numeric=True),
             Column(label="of them covered", numeric=True),
-            Column(label=_THESE, numeric=True),
+            Column(label=THESE, numeric=True),
         ),
         rows=tuple(rows[:_MOST_ROWS]),
-        note=f"{_percent(found.coverage.covered)} of the reference maps have one of these maps "
+        note=f"{percent(found.coverage.covered)} of the reference maps have one of these maps "
         "nearer than reference maps of different scenes are to each other in the median.",
         sortable=True,
     )
@@ -379,8 +272,8 @@ def _spread(found: SetComparison) -> Table | None:
         title="Where and when",
         columns=(
             Column(label="Count"),
-            Column(label=_THESE, numeric=True),
-            Column(label=_REFERENCE, numeric=True),
+            Column(label=THESE, numeric=True),
+            Column(label=REFERENCE, numeric=True),
         ),
         rows=tuple(
             (Cell(text=label), Cell(text=str(one)), Cell(text=str(other)))
