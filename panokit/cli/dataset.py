@@ -190,7 +190,14 @@ def _tell_stock(maker: "LibraryMaker", console: Console) -> None:
     rows = []
     for split, ids in stock.lights_of.items():
         places = {stock.lights.all[id].place for id in ids}
-        rows.append((split, str(len(places)), str(len(ids)), str(len(stock.objects_of[split]))))
+        rows.append(
+            (
+                split,
+                str(len(places)),
+                str(len(ids)),
+                str(sum(map(len, stock.objects_of[split].values()))),
+            )
+        )
     console.table(("split", "places", "maps", "objects"), rows)
 
 

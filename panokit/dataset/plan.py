@@ -1,6 +1,6 @@
 """Draw a sample: everything that is random about it, from the seed and its number."""
 
-from collections import Counter
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from panokit.dataset.materials import draw_material
 from panokit.dataset.sample import SamplePlan
 from panokit.dataset.settings import DatasetSettings, Range
 from panokit.dataset.splits import split_of_index
-from panokit.dataset.stock import Stock
+from panokit.dataset.stock import FOLDER, Stock
 
 
 def draw_plan(settings: DatasetSettings, stock: Stock, index: int, attempt: int = 0) -> SamplePlan:
@@ -55,22 +55,17 @@ def draw_plan(settings: DatasetSettings, stock: Stock, index: int, attempt: int 
     )
 
 
-def _draw_object(rng: np.random.Generator, settings: DatasetSettings, ids: tuple[str, ...]) -> str:
+def _draw_object(
+    rng: np.random.Generator, settings: DatasetSettings, by_kind: Mapping[str, tuple[str, ...]]
+) -> str:
     """One of the ids: of a mesh from the folder as often as asked, else of each kind alike."""
-    meshes = [id for id in ids if id.startswith("folder/")]
-    made = [id for id in ids if not id.startswith("folder/")]
+    kinds = [kind for kind in by_kind if kind != FOLDER]
     take_mesh = bool(rng.random() < settings.objects.mesh_share)
-    chosen = meshes if (take_mesh and meshes) or not made else made
-    if chosen is meshes:
-        return meshes[int(rng.integers(len(meshes)))]
-    kinds = sorted(Counter(_kind(id) for id in made))
-    kind = kinds[int(rng.integers(len(kinds)))]
-    of_kind = [id for id in made if _kind(id) == kind]
-    return of_kind[int(rng.integers(len(of_kind)))]
-
-
-def _kind(object_id: str) -> str:
-    return object_id.rpartition("-")[0]
+    if not kinds or (take_mesh and FOLDER in by_kind):
+        chosen = by_kind[FOLDER]
+    else:
+        chosen = by_kind[kinds[int(rng.integers(len(kinds)))]]
+    return chosen[int(rng.integers(len(chosen)))]
 
 
 def _draw(rng: np.random.Generator, limits: Range) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from panokit.dataset.scene import View
 from panokit.dataset.settings import RigSettings
-from panokit.errors import UsageError
+from panokit.errors import ImageError
 from panokit.frames import Rotation
 
 # The object keeps this share of the picture away from the edges of both views.
@@ -43,7 +43,7 @@ def place_rig(
         roll_deg: Positive leans to the right.
 
     Raises:
-        UsageError: If the object fits at no distance.
+        ImageError: If the object fits at no distance.
     """
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     corners = np.asarray(points, np.float64)
@@ -61,7 +61,10 @@ def place_rig(
     depth = (points - center) @ world_from_rig.matrix[:, 2]
     near, far = float(depth.max()) + _NEAREST_M, _FARTHEST_M
     if not is_far_enough(far):
-        raise UsageError("The object is too large for the cameras. Scale it to about a meter.")
+        raise ImageError(
+            "The object is too large for the cameras. Scale it to about a meter.",
+            reason="too-large",
+        )
     if is_far_enough(near):
         return pair(near)
     # Halving the range of the log so often leaves a thousandth.

@@ -1,15 +1,18 @@
 """What samples are drawn from: objects and lights, each in one split only."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from panokit.dataset.lights import Lights, digest_of_file_list, open_lights
 from panokit.dataset.objects.catalog import ObjectCatalog, open_catalog
+from panokit.dataset.objects.folder import PREFIX
 from panokit.dataset.sample import SPLITS
 from panokit.dataset.settings import DatasetSettings
 from panokit.dataset.splits import assign_splits, group_by_shared_keys
 from panokit.provenance import digest_of
+
+FOLDER = PREFIX.rstrip("/")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,14 +22,15 @@ class Stock:
     Attributes:
         objects: The catalog of objects.
         lights: The maps.
-        objects_of: Split -> ids of its objects.
+        objects_of: Split -> kind -> ids of its objects; meshes of a folder are of the kind
+            "folder".
         lights_of: Split -> ids of its lights.
         digest: Of everything that samples are drawn from.
     """
 
     objects: ObjectCatalog
     lights: Lights
-    objects_of: dict[str, tuple[str, ...]]
+    objects_of: dict[str, dict[str, tuple[str, ...]]]
     lights_of: dict[str, tuple[str, ...]]
     digest: str
 
@@ -56,7 +60,7 @@ def open_stock(
         objects=objects,
         lights=lights,
         objects_of={
-            split: tuple(id for id in objects.ids() if object_split[object_groups[id]] == split)
+            split: _by_kind(id for id in objects.ids() if object_split[object_groups[id]] == split)
             for split in SPLITS
         },
         lights_of={
@@ -72,3 +76,12 @@ def open_stock(
             ]
         ),
     )
+
+
+def _by_kind(ids: Iterable[str]) -> dict[str, tuple[str, ...]]:
+    """Ids by what stands before their last number, kinds in the order of the alphabet."""
+    kinds: dict[str, list[str]] = {}
+    for id in ids:
+        kind = FOLDER if id.startswith(PREFIX) else id.rpartition("-")[0]
+        kinds.setdefault(kind, []).append(id)
+    return {kind: tuple(kinds[kind]) for kind in sorted(kinds)}

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from panokit.dataset.rig import place_rig
 from panokit.dataset.scene import View
 from panokit.dataset.settings import RigSettings
-from panokit.errors import UsageError
+from panokit.errors import ImageError
 from panokit.frames import Rotation
 
 POSE = {"baseline_m": 0.2, "fill": 0.7, "pitch_deg": -15.0, "roll_deg": 0.0}
@@ -69,5 +69,5 @@ def test_rays_and_projection_are_inverse():
 
 
 def test_an_object_as_large_as_a_town_is_refused():
-    with pytest.raises(UsageError, match="too large"):
+    with pytest.raises(ImageError, match="too large"):
         place_rig(RigSettings(), 1e4 * cloud(0), **POSE)

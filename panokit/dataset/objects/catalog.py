@@ -48,8 +48,7 @@ class ObjectCatalog:
         """
         if id in self.files:
             return _read(self.files[id])
-        kind, number = _kind_and_number(id)
-        return make_object(kind, number)
+        return _made(*_kind_and_number(id))
 
     def source(self, id: str) -> SceneSource:
         """Whose work the object is.
@@ -110,3 +109,8 @@ def _kind_and_number(id: str) -> tuple[str, int]:
 @lru_cache(maxsize=_KEPT)
 def _read(path: Path) -> Mesh:
     return load_mesh(path)
+
+
+@lru_cache(maxsize=_KEPT)
+def _made(kind: str, number: int) -> Mesh:
+    return make_object(kind, number)
