@@ -16,6 +16,8 @@ _CONTRAST_STOPS = (0.01, 0.25)
 _WINDOW_PX = 5
 # With less of the picture fit to be looked at, nothing is said.
 _LEAST_SHARE = 0.2
+# A picture without any edge of this many stops, in its sharpest hundredth, is of a bare sky.
+_EDGE_STOPS, _EDGE_QUANTILE = 0.1, 0.99
 _LEAST_WIDTH_PX = 256
 _MOST_COLUMNS = 1024
 
@@ -49,7 +51,10 @@ def _ratio(
     picture: NDArray[np.float32], finest: NDArray[np.float32], coarser: NDArray[np.float32]
 ) -> float | None:
     window = (_WINDOW_PX, _WINDOW_PX)
-    coarse = cv2.blur(np.abs(cv2.filter2D(picture, -1, coarser)), window)[::2, ::2]
+    edges = np.abs(cv2.filter2D(picture, -1, coarser))
+    if np.quantile(edges[::4, ::4], _EDGE_QUANTILE) < _EDGE_STOPS:
+        return None
+    coarse = cv2.blur(edges, window)[::2, ::2]
     fine = cv2.blur(np.abs(cv2.filter2D(picture, -1, finest)), window)[::2, ::2]
     fit = (coarse > _CONTRAST_STOPS[0]) & (coarse < _CONTRAST_STOPS[1])
     if fit.mean() < _LEAST_SHARE:

@@ -69,7 +69,7 @@ class QaSettings(Settings):
     sky_temperature_min_kelvin: float = Field(3500.0, ge=1000)
     """Least color temperature of a smooth sky overhead."""
 
-    channel_order_min: float = -0.7
+    channel_order_min: float = -0.85
     """Least octaves by which what is above is bluer than what is below; swapped below that."""
 
     seam_max: float = Field(10.0, ge=0)

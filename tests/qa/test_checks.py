@@ -5,12 +5,15 @@ import json
 import numpy as np
 import OpenEXR
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from panokit.envmap import EnvironmentMap
 from panokit.errors import ImageError
 from panokit.io import read_environment_map
 from panokit.provenance import Provenance
 from panokit.qa import QaSettings, Report, Verdict, check, judge
+from panokit.qa.checks import RULES
 from panokit.sphere import equirect_directions, resize_radiance
 
 
@@ -189,3 +192,32 @@ def test_a_figure_that_is_not_a_number_fails():
 def test_captured_probes(shared_data, name, expected):
     (path,) = (shared_data / "probes").glob(f"{name}.*")
     assert failed(read_environment_map(path)) == expected
+
+
+FIGURE = st.none() | st.floats(allow_nan=True, allow_infinity=True, width=32)
+
+
+@given(st.fixed_dictionaries({rule.name: FIGURE for rule in RULES}))
+def test_verdicts_follow_from_stored_figures_alone(values):
+    report = judge(values, notes={"tilt": "by upright lines"})
+    again = Report.from_json(json.loads(json.dumps(report.to_json())))
+    assert [c.verdict for c in again.checks] == [c.verdict for c in report.checks]
+    assert [c.verdict for c in judge(again.values).checks] == [c.verdict for c in report.checks]
+    assert again.notes == {"tilt": "by upright lines"}
+
+
+def test_every_check_has_a_family_a_meaning_and_a_limit():
+    report = judge({})
+    assert {c.family for c in report.checks} == {
+        "radiometry", "geometry", "content", "sun", "plausibility",
+    }  # fmt: skip
+    assert all(c.meaning.endswith(".") for c in report.checks)
+    assert all(c.low is not None or c.high is not None for c in report.checks)
+    assert len({c.name for c in report.checks}) == len(report.checks)
+
+
+def test_what_does_not_apply_says_why(make_map):
+    report = check(make_map(64).with_changes(capture=None, provenance=Provenance()))
+    silent = [c for c in report.checks if c.verdict is Verdict.NOT_APPLICABLE]
+    assert len(silent) > 5
+    assert all(c.note for c in silent)
