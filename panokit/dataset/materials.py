@@ -54,7 +54,7 @@ def draw_material(rng: np.random.Generator, settings: ObjectSettings) -> Materia
     texture = None
     if rng.random() < settings.textured_share:
         texture = draw_texture(rng, color)
-        color = tuple(float(value) for value in texture.mean(axis=(0, 1)))
+        color = _color(texture.mean(axis=(0, 1)))
     lobes = {"sheen": OFF, "flatness": OFF, "clearcoat": OFF, "clearcoat_gloss": 0.9}
     roughness = rng.uniform(0.08, 0.95)
     if kind < _METAL_SHARE + _COATED_SHARE / 2:

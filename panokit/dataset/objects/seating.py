@@ -32,11 +32,11 @@ def legs(
     if chance(rng, 0.45):
         at = height * between(rng, 0.25, 0.5)
         out = splay * (1 - at / height)
-        x, z, rod = half[0] - inset + out, half[1] - inset + out, thick * 0.28
+        wide, deep, rod = half[0] - inset + out, half[1] - inset + out, thick * 0.28
         for sign in (-1, 1):
-            solids.tube(part, [[sign * x, at, -z], [sign * x, at, z]], rod, 8)
+            solids.tube(part, [[sign * wide, at, -deep], [sign * wide, at, deep]], rod, 8)
         if chance(rng, 0.5):
-            solids.tube(part, [[-x, at, 0], [x, at, 0]], rod, 8)
+            solids.tube(part, [[-wide, at, 0], [wide, at, 0]], rod, 8)
 
 
 def chair(solids: Solids, rng: np.random.Generator) -> None:
@@ -134,8 +134,8 @@ def _upholstered(solids: Solids, rng: np.random.Generator, seats: int) -> None:
     lean = between(rng, 8, 16)
     for index in range(seats):
         left = -inner + index * seat_width
-        low, high = (left + 0.004, base, -z + thick * 0.8), (left + seat_width - 0.004, seat, z)
-        solids.cushion(1, low, high, 0.05, (0, 0.025, 0.01))
+        near, far = (left + 0.004, base, -z + thick * 0.8), (left + seat_width - 0.004, seat, z)
+        solids.cushion(1, near, far, 0.05, (0, 0.025, 0.01))
         rest = solids.placed((left + seat_width / 2, seat, -z + thick + 0.12), lean_deg=-lean)
         tall, half = back - seat + between(rng, -0.06, 0.06), seat_width / 2 - 0.006
         rest.cushion(1, (-half, 0, -0.08), (half, tall, 0.08), 0.06, (0, 0.02, 0.035))

@@ -18,7 +18,7 @@ from panokit.dataset.scene import Mesh
 
 Floats = NDArray[np.floating[Any]]
 Faces = NDArray[np.int32]
-Points = Floats | Sequence[Any]
+Points = NDArray[Any] | Sequence[Any]
 
 
 class Solids:
@@ -195,10 +195,10 @@ def _wound(grid: Floats, poles: Floats, looped: bool) -> tuple[Floats, Faces]:
 def _frames(points: Floats, looped: bool) -> tuple[Floats, Floats]:
     """Two axes across a path at each of its points, carried on without twist."""
     if looped:
-        ahead = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+        along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
     else:
-        ahead = np.gradient(points, axis=0)
-    ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
+        along = np.asarray(np.gradient(points, axis=0))
+    ahead = along / np.linalg.norm(along, axis=1, keepdims=True)
     up = np.array([0.0, 1, 0]) if abs(ahead[0, 1]) < 0.9 else np.array([0.0, 0, 1])
     first, second = [], []
     for direction in ahead:
@@ -258,7 +258,9 @@ def _rounded(round_steps: int, flat_steps: int) -> tuple[Floats, Floats, Faces]:
     index = np.arange(count * count).reshape(count, count)
     a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
     quads = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)]).reshape(-1, 3)
-    cores, ways, faces = [], [], []
+    cores: list[Floats] = []
+    ways: list[Floats] = []
+    faces: list[NDArray[Any]] = []
     for axis, sign in product(range(3), (-1, 1)):
         center, way = np.empty((count, count, 3)), np.empty((count, count, 3))
         for values, source, edge in ((center, core, sign), (way, tilt, sign)):

@@ -172,7 +172,7 @@ class CyclesRenderer:
             raise PanokitError("This renderer is closed. Make another one.")
         self._job += 1
         name = f"job{self._job}"
-        arrays = {
+        arrays: dict[str, Any] = {
             "light": light.radiance,
             "corners": mesh.vertices[mesh.faces] @ _BLENDER.T,
             "normals": corner_normals(mesh) @ _BLENDER.T,
@@ -182,7 +182,7 @@ class CyclesRenderer:
         for index, material in enumerate(materials):
             if material.texture is not None:
                 arrays[f"texture{index}"] = material.texture
-        np.savez(self._folder / f"{name}.npz", **arrays)
+        np.savez(self._folder / f"{name}.npz", allow_pickle=False, **arrays)
         job = job | {"materials": [_sockets(material) for material in materials]}
         (self._folder / f"{name}.json").write_text(json.dumps(job), encoding="utf-8")
         answer = self._ask(name)

@@ -54,8 +54,8 @@ def view_passes(
     depth = guides["Depth"][..., 0]
     there = depth < _NOWHERE_M
     part = np.where(there, np.rint(guides["IndexMA"][..., 0]), 0).astype(np.uint8)
-    normal = guides["Normal"].astype(np.float64) @ TOOL_FROM_PANOKIT["blender"].matrix
-    normal = view.world_from_camera.inverse.apply(normal)
+    in_world = guides["Normal"].astype(np.float64) @ TOOL_FROM_PANOKIT["blender"].matrix
+    normal = view.world_from_camera.inverse.apply(in_world)
     normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
     return ViewPasses(
         radiance=np.ascontiguousarray(np.maximum(combined[..., :3], 0)),

@@ -208,7 +208,7 @@ def render(job: dict, folder: Path, name: str) -> list:
         camera.data.shift_x = view["shift"]
         scene.render.resolution_x, scene.render.resolution_y = view["size"]
         # One ray through the middle of each pixel: an average over an edge is no normal.
-        shots = [("guides", 1, 0.01, True, False, False)]
+        shots: list[tuple] = [("guides", 1, 0.01, True, False, False)]
         shots += [("beauty", job["samples"], 1.0, True, floor is not None, False)]
         if floor is not None:
             shots += [("both", job["samples"], 1.0, False, True, True)]
