@@ -3,8 +3,8 @@
 import hashlib
 import os
 from collections import OrderedDict
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,8 @@ from panokit.io import HDR_SUFFIXES, read_environment_map, sha256_of_file
 from panokit.io.probe_manifest import NAME as MANIFEST
 from panokit.io.probe_manifest import read_manifest
 from panokit.probes import Library
+from panokit.probes.selection import read_selection
+from panokit.probes.traits import category_of, kind_of
 from panokit.provenance import Provenance
 from panokit.sphere import resize_radiance
 
@@ -95,7 +97,11 @@ class Lights:
 
 
 def open_lights(
-    folders: Sequence[Path], *, own_right: str = "", packed: Path | None = None
+    folders: Sequence[Path],
+    *,
+    own_right: str = "",
+    selection: Path | None = None,
+    packed: Path | None = None,
 ) -> Lights:
     """The lights in probe libraries and folders.
 
@@ -103,6 +109,8 @@ def open_lights(
         folders: Probe libraries; run folders, for their probes; or folders of .exr and .hdr maps
             with records beside them or a manifest.csv.
         own_right: As of `panokit.capture.require_right_to_train`.
+        selection: A file of `panokit probes select`: only these of the libraries' probes; or
+            None for all.
         packed: As of `Lights`.
 
     Raises:
@@ -113,6 +121,8 @@ def open_lights(
     for folder in folders:
         for light, capture in _of_folder(Path(folder)):
             found.setdefault(light.id, (light, capture))
+    if selection is not None:
+        found = _selected(found, selection)
     if not found:
         raise UsageError(
             f"There is no light in {', '.join(map(str, folders)) or 'no folder'}. "
@@ -127,15 +137,7 @@ def open_lights(
         }
     )
     lights = {
-        id: Light(
-            id=id,
-            path=light.path,
-            place=found[groups[id]][0].place,
-            kind=light.kind,
-            category=light.category,
-            license=light.license,
-            digest=light.digest,
-        )
+        id: replace(light, place=found[groups[id]][0].place)
         for id, (light, _) in sorted(found.items())
     }
     return Lights(all=lights, packed=packed)
@@ -157,7 +159,8 @@ def _of_library(folder: Path) -> Iterable[tuple[Light, Capture]]:
             probe = library.show(entry.id)
             capture = probe.capture or local_capture(probe.name)
             path = library.map_path(entry.id)
-            yield _light(probe.id, path, capture, probe.provenance), capture
+            light = _light(probe.id, path, capture, probe.provenance)
+            yield replace(light, kind=probe.kind, category=probe.category), capture
 
 
 def _of_run(folder: Path) -> Iterable[tuple[Light, Capture]]:
@@ -195,17 +198,29 @@ def _light(id: str, path: Path, capture: Capture, provenance: Provenance) -> Lig
         id=id,
         path=path,
         place=capture.key if placed else capture.place or capture.key,
-        kind=_kind(capture, provenance),
-        category=str(capture.details.get("category", "")),
+        kind=kind_of(capture, provenance),
+        category=category_of(capture),
         license=capture.license,
         digest=sha256_of_file(path),
     )
 
 
-def _kind(capture: Capture, provenance: Provenance) -> str:
-    if any(step.stage == "expand" for step in provenance.steps):
-        return "lifted"
-    return "synthetic" if capture.provider == "synthetic" else "native"
+def _selected(
+    found: Mapping[str, tuple[Light, Capture]], selection: Path
+) -> dict[str, tuple[Light, Capture]]:
+    """What of the lights a selection names.
+
+    Raises:
+        UsageError: If it names one that is not there.
+    """
+    ids = read_selection(selection).ids
+    missing = [id for id in ids if id not in found]
+    if missing:
+        raise UsageError(
+            f"{selection} names {missing[0]} and {len(missing) - 1} more that are not in these "
+            "folders. Give the library that it was made from, or select again."
+        )
+    return {id: found[id] for id in ids}
 
 
 def _places_by_position(found: Iterable[tuple[Light, Capture]]) -> dict[str, list[str]]:

@@ -70,6 +70,9 @@ class LightSettings(Settings):
     exposure_stops: float = Field(default=0.5, ge=0)
     """Standard deviation of the exposure around what a camera's metering would choose."""
 
+    selection: str = ""
+    """A file of `panokit probes select`: only these probes of the libraries."""
+
     own_right: str = ""
     """What gives the right to train with maps whose license does not, in words."""
 

@@ -50,7 +50,12 @@ def open_stock(
         LicenseError: If a map may not be trained with.
     """
     objects = open_catalog(settings.objects)
-    lights = open_lights(probes, own_right=settings.light.own_right, packed=packed)
+    lights = open_lights(
+        probes,
+        own_right=settings.light.own_right,
+        selection=Path(settings.light.selection) if settings.light.selection else None,
+        packed=packed,
+    )
     place_split = assign_splits([light.place for light in lights.all.values()], settings, "places")
     object_groups = group_by_shared_keys(
         {id: [f"content:{objects.digest(id)}"] for id in objects.ids()}

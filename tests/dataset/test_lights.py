@@ -9,6 +9,7 @@ from panokit.envmap import EnvironmentMap
 from panokit.errors import LicenseError, UsageError
 from panokit.io import write_environment_map
 from panokit.probes import Library
+from panokit.probes.selection import Selection, write_selection
 from panokit.provenance import Provenance, Step
 from panokit.sphere import energy
 
@@ -71,6 +72,20 @@ def test_a_library_gives_its_probes(tmp_path):
     np.testing.assert_allclose(
         energy(lights.load(added.probe.id).radiance), energy(envmap.radiance), rtol=1e-5
     )
+
+
+def test_a_selection_takes_some_of_a_library(tmp_path):
+    with Library.create(tmp_path / "library") as library:
+        ids = []
+        for number in range(3):
+            put(tmp_path / "maps", f"m{number}", capture=capture_at(f"m{number}"), seed=number)
+            ids.append(library.add(tmp_path / "maps" / f"m{number}.exr").probe.id)
+    write_selection(Selection(ids=(ids[2], ids[0]), names=("c", "a")), tmp_path / "chosen.json")
+    lights = open_lights([tmp_path / "library"], selection=tmp_path / "chosen.json")
+    assert set(lights.all) == {ids[0], ids[2]}
+    write_selection(Selection(ids=("nobody",), names=("x",)), tmp_path / "other.json")
+    with pytest.raises(UsageError, match="nobody"):
+        open_lights([tmp_path / "library"], selection=tmp_path / "other.json")
 
 
 def test_a_manifest_tells_places_and_leaves_out_what_is_not_for_training(tmp_path):
