@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 from pickle import UnpicklingError
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import torch
@@ -12,8 +12,31 @@ from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
 from panokit.errors import ModelError
 from panokit.io.files import atomic_write
-from panokit.train.recipe import ComponentRecipe, NetworkRecipe
 from panokit.train.team import Team
+
+
+class Steps(Protocol):
+    """What a recipe says of its steps."""
+
+    @property
+    def steps(self) -> int:
+        """How many there are."""
+        ...
+
+    @property
+    def learning_rate(self) -> float:
+        """Of the first one."""
+        ...
+
+    @property
+    def weight_decay(self) -> float:
+        """Of AdamW."""
+        ...
+
+    @property
+    def ema_decay(self) -> float:
+        """Of the average over the steps."""
+        ...
 
 
 @dataclass(slots=True, eq=False)
@@ -109,9 +132,7 @@ class Run:
         self.network.cpu().eval()
 
 
-def start(
-    network: nn.Module, recipe: NetworkRecipe | ComponentRecipe, team: Team, *, seed: int
-) -> Run:
+def start(network: nn.Module, recipe: Steps, team: Team, *, seed: int) -> Run:
     """A network at its first step: AdamW, the learning rate falling to zero on a cosine."""
     network = network.to(team.device)
     optimizer = torch.optim.AdamW(
