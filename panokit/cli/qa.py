@@ -89,8 +89,9 @@ def _defects(result: "QaResult") -> list[str]:
     for judged in result.failed[:_MOST_LISTED]:
         lines.append(f"  {judged.item.name}")
         for check in judged.report.failed if judged.report else ():
-            limits = " to ".join(
-                f"{limit:g}" for limit in (check.low, check.high) if limit is not None
+            bounds = (("at least", check.low), ("at most", check.high))
+            limits = " and ".join(
+                f"{word} {limit:g}" for word, limit in bounds if limit is not None
             )
             said = f"{check.name}: {check.value:.3g} {check.unit}".rstrip() + f", allowed {limits}"
             text = f"{said}; {check.note}" if check.note else said

@@ -73,7 +73,7 @@ def plausibility_figures(measured: Measurements) -> dict[str, float] | None:
         return None
     total = measured.total
     halves = np.asarray(luminance(energy_of_halves(measured.tiny)), np.float64)
-    vector = np.linalg.norm(luminance(light_vector(measured.tiny).T))
+    vector = np.linalg.norm(light_vector(measured.tiny))
     light = np.asarray(luminance(measured.tiny), np.float32)
     power = _power(light)
     median = float(np.median(measured.small_luminance)) or total / (4 * np.pi)

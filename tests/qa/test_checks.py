@@ -5,7 +5,7 @@ import json
 import numpy as np
 import OpenEXR
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from panokit.envmap import EnvironmentMap
@@ -197,6 +197,7 @@ def test_captured_probes(shared_data, name, expected):
 FIGURE = st.none() | st.floats(allow_nan=True, allow_infinity=True, width=32)
 
 
+@settings(deadline=None)
 @given(st.fixed_dictionaries({rule.name: FIGURE for rule in RULES}))
 def test_verdicts_follow_from_stored_figures_alone(values):
     report = judge(values, notes={"tilt": "by upright lines"})
