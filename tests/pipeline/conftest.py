@@ -17,7 +17,7 @@ def street_jpeg(seed, size=(128, 256)):
     rng = np.random.default_rng(seed)
     directions = equirect_directions(size[1], size[0])
     up = directions[..., 1:2]
-    pixels = np.where(up > 0, [90, 130, 210], [110, 105, 100]) + rng.normal(0, 8, (*size, 1))
+    pixels = np.where(up > 0, [140, 160, 200], [115, 105, 95]) + rng.normal(0, 8, (*size, 1))
     sun = np.array([0.5, 0.6, -0.62])
     pixels[directions @ (sun / np.linalg.norm(sun)) > 0.995] = 255
     return encode_jpeg(np.clip(pixels, 0, 255).astype(np.uint8))
