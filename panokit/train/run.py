@@ -39,6 +39,26 @@ class Steps(Protocol):
         ...
 
 
+class Schedule(Protocol):
+    """What the recipes of all kinds of network say of their steps."""
+
+    @property
+    def steps(self) -> int:
+        """Of the optimizer."""
+
+    @property
+    def learning_rate(self) -> float:
+        """At the start."""
+
+    @property
+    def weight_decay(self) -> float:
+        """Of AdamW."""
+
+    @property
+    def ema_decay(self) -> float:
+        """Of the average over steps."""
+
+
 @dataclass(slots=True, eq=False)
 class Run:
     """Everything that changes while a network trains; a checkpoint is all of it.
