@@ -70,11 +70,12 @@ def trace(
     sampler.set_samples_per_wavefront(samples)
     # What is handed over as an array is no part of the compiled kernel; a number would be.
     sampler.seed(mitsuba.UInt32(in_line(np.array([seed], np.uint32))), len(pixels) * samples)
-    column, row = (np.repeat((pixels % width, pixels // width), samples, axis=1)).astype(np.float32)
-    place = (
-        mitsuba.Vector2f(mitsuba.Float(in_line(column)), mitsuba.Float(in_line(row)))
-        + sampler.next_2d()
+    # Repeated as small numbers, one after the other: these are the largest arrays there are.
+    column, row = (
+        mitsuba.Float(in_line(np.repeat(index.astype(np.float32), samples)))
+        for index in (pixels % width, pixels // width)
     )
+    place = mitsuba.Vector2f(column, row) + sampler.next_2d()
     ray, _ = camera.sensor.sample_ray(
         0.0, 0.5, place * mitsuba.Vector2f(1 / width, 1 / height), mitsuba.Point2f(0.5)
     )
