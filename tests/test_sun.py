@@ -44,7 +44,7 @@ def test_the_declination_of_the_sun_is_that_of_its_direction():
 
 
 @pytest.mark.parametrize(
-    ("month", "highest_deg", "rising_deg"), [(6, 64.9, 53), (12, 20.0, 122), (3, 45.9, 83)]
+    ("month", "highest_deg", "rising_deg"), [(6, 64.9, 53), (12, 20.0, 124), (3, 45.9, 83)]
 )
 def test_a_month_bounds_the_sun(month, highest_deg, rising_deg):
     bounds = sun_bounds(48.5, datetime(2024, month, 15, tzinfo=UTC), TimePrecision.MONTH)
