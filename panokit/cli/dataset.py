@@ -9,14 +9,14 @@ from cyclopts import Parameter
 
 from panokit.cli.options import Json
 from panokit.console import Console, duration_text, size_text
-from panokit.dataset.production import ProductionSettings
+from panokit.dataset.production.settings import ProductionSettings
 from panokit.dataset.settings import DatasetSettings
 from panokit.errors import UsageError
 
 if TYPE_CHECKING:
-    from panokit.dataset.estimate import Estimate
-    from panokit.dataset.library_maker import LibraryMaker
-    from panokit.dataset.produce import RenderResult
+    from panokit.dataset.production.estimate import Estimate
+    from panokit.dataset.production.library_maker import LibraryMaker
+    from panokit.dataset.production.produce import RenderResult
 
 _Flat = Parameter(name="*")
 _Flag = Parameter(negative=())
@@ -52,9 +52,9 @@ def render(
     dry_run
         Render a few samples, write nothing, say how large and long all would be.
     """
-    from panokit.dataset.layout import DatasetFolder
-    from panokit.dataset.library_maker import open_maker
-    from panokit.dataset.produce import render_dataset
+    from panokit.dataset.production.library_maker import open_maker
+    from panokit.dataset.production.produce import render_dataset
+    from panokit.dataset.storage.layout import DatasetFolder
 
     console = Console(as_json=json)
     production, settings = _settled(settings_file, production, settings)
@@ -89,7 +89,7 @@ def preview(
     split
         Only of this split: train, validation or test.
     """
-    from panokit.dataset.preview import contact_sheet, open_for_preview, spread
+    from panokit.dataset.cards.preview import contact_sheet, open_for_preview, spread
     from panokit.io import encode_jpeg, encode_png, write_bytes
 
     encoders = {".png": encode_png, ".jpg": encode_jpeg, ".jpeg": encode_jpeg}
@@ -111,7 +111,7 @@ def verify(folder: _DatasetFolder, /, *, json: Json = False) -> int:
     """Read all of a dataset again: digests, every file, the splits."""
     from dataclasses import asdict
 
-    from panokit.dataset.verify import verify_dataset
+    from panokit.dataset.storage.verify import verify_dataset
 
     console = Console(as_json=json)
     found = verify_dataset(folder, console)
@@ -159,7 +159,7 @@ def _merged(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, A
 
 
 def _render_one(maker: "LibraryMaker", out: Path, index: int, console: Console) -> int:
-    from panokit.dataset.repeat import render_one
+    from panokit.dataset.production.repeat import render_one
 
     one = render_one(maker, out, index)
     console.result(f"Sample {index}, attempt {one.attempt}, in {one.folder}")
@@ -175,7 +175,7 @@ def _dry_run(
 ) -> int:
     from dataclasses import asdict
 
-    from panokit.dataset.estimate import estimate_dataset
+    from panokit.dataset.production.estimate import estimate_dataset
 
     console.note("Rendering a few samples to measure...")
     found = estimate_dataset(maker, out, production)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from panokit.color.transfer import srgb_encode_u8
 from panokit.dataset.lights import ALIGNED_WIDTH_PX
-from panokit.dataset.members import exr_bytes, json_bytes
 from panokit.dataset.photograph import (
     blurred_background,
     check_pictures,
@@ -25,6 +24,7 @@ from panokit.dataset.sample import SCHEMA, Sample, SamplePlan, sample_key
 from panokit.dataset.scene import Mesh, Quality, Renderer, Scene, View, ViewPasses
 from panokit.dataset.settings import DatasetSettings
 from panokit.dataset.stock import Stock
+from panokit.dataset.storage.members import exr_bytes, json_bytes
 from panokit.envmap import Anchor, EnvironmentMap
 from panokit.errors import ImageError
 from panokit.frames import Frame, Rotation

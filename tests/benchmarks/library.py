@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from panokit.probes import Library, ProbeFilter, SelectSettings, select
-from panokit.probes.descriptor import LENGTH
+from panokit.probes.descriptors import LENGTH
 from panokit.probes.library import SHELF_NAME
 from panokit.qa.checks import RULES
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from panokit.color.transfer import srgb_encode_u8
-from panokit.dataset.members import exr_bytes
-from panokit.dataset.produce import render_dataset
-from panokit.dataset.production import ProductionSettings
-from panokit.dataset.read import StereoDataset
+from panokit.dataset.production.produce import render_dataset
+from panokit.dataset.production.settings import ProductionSettings
 from panokit.dataset.sample import Sample
-from panokit.dataset.sampling import ShardSampler
-from panokit.dataset.shards import tar_bytes, write_shard
-from panokit.dataset.verify import verify_dataset
+from panokit.dataset.storage.members import exr_bytes
+from panokit.dataset.storage.read import StereoDataset
+from panokit.dataset.storage.sampling import ShardSampler
+from panokit.dataset.storage.shards import tar_bytes, write_shard
+from panokit.dataset.storage.verify import verify_dataset
 from panokit.io.images import encode_png
 from tests.dataset.fake import FakeMaker, fake_sample
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from panokit.capture import Capture, license_from_spdx
-from panokit.dataset.produce import render_dataset
-from panokit.dataset.production import ProductionSettings
+from panokit.dataset.production.produce import render_dataset
+from panokit.dataset.production.settings import ProductionSettings
 from panokit.envmap import EnvironmentMap
 from panokit.probes import Library
 from tests.dataset.fake import FakeMaker

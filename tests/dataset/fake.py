@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from panokit.color.transfer import srgb_encode_u8
-from panokit.dataset.members import exr_bytes, json_bytes
 from panokit.dataset.sample import SCHEMA, Sample, sample_key
 from panokit.dataset.settings import DatasetSettings
 from panokit.dataset.splits import split_of_index
+from panokit.dataset.storage.members import exr_bytes, json_bytes
 from panokit.errors import ItemError, MissingExtraError
 from panokit.io.images import encode_png
 

@@ -6,9 +6,9 @@ import pytest
 
 from panokit.cli.dataset import _settled
 from panokit.cli.main import main
-from panokit.dataset.production import ProductionSettings
-from panokit.dataset.read import StereoDataset
+from panokit.dataset.production.settings import ProductionSettings
 from panokit.dataset.settings import DatasetSettings
+from panokit.dataset.storage.read import StereoDataset
 from panokit.shipped import shipped_path
 
 SMALL = (
@@ -78,7 +78,7 @@ def test_one_sample_again_is_the_same(library, rendered, tmp_path, capsys):
 
 
 def test_a_sample_that_differs_is_named(library, rendered, tmp_path, capsys, monkeypatch):
-    from panokit.dataset import repeat
+    from panokit.dataset.production import repeat
 
     plain = repeat._known
 

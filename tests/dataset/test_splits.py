@@ -28,8 +28,11 @@ def test_names_with_a_common_key_are_one_group():
     assert len({groups["a"], groups["b"], groups["c"]}) == 3
 
 
-@given(st.dictionaries(st.text("abcdef", min_size=1, max_size=4),
-                       st.lists(st.sampled_from("123456789"), max_size=3), max_size=12))  # fmt: skip
+NAMES = st.text("abcdef", min_size=1, max_size=4)
+KEYS = st.lists(st.sampled_from("123456789"), max_size=3)
+
+
+@given(st.dictionaries(NAMES, KEYS, max_size=12))
 def test_groups_are_the_connected_sets(keys):
     groups = group_by_shared_keys(keys)
     for one, mine in keys.items():

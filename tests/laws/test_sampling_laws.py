@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from panokit.dataset.sampling import ShardSampler
+from panokit.dataset.storage.sampling import ShardSampler
 from panokit.errors import UsageError
 
 SIZES = st.lists(st.integers(0, 40), max_size=12)

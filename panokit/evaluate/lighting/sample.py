@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.dataset.read import StereoDataset
+from panokit.dataset.storage.read import StereoDataset
 from panokit.frames import Rotation
 
 MEMBERS = (

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.dataset.read import StereoDataset
+from panokit.dataset.storage.read import StereoDataset
 from panokit.errors import UsageError
 from panokit.io.files import read_json, write_json
 from panokit.provenance import digest_of

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from panokit.capture import Capture, license_from_spdx
-from panokit.dataset.decode import decode_member
 from panokit.dataset.make import make_sample
 from panokit.dataset.plan import draw_plan
 from panokit.dataset.renderers import make_renderer
 from panokit.dataset.settings import DatasetSettings, ObjectSettings, RigSettings
 from panokit.dataset.stock import open_stock
+from panokit.dataset.storage.decode import decode_member
 from panokit.envmap import EnvironmentMap
 from panokit.errors import ImageError
 from panokit.evaluate.lighting.sample import sample_of

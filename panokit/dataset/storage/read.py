@@ -11,10 +11,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from panokit.dataset.decode import decode_member
-from panokit.dataset.index import BYTES, OFFSET, member_names, read_index
-from panokit.dataset.layout import DatasetFolder
 from panokit.dataset.sample import SPLITS
+from panokit.dataset.storage.decode import decode_member
+from panokit.dataset.storage.index import BYTES, OFFSET, member_names, read_index
+from panokit.dataset.storage.layout import DatasetFolder
 from panokit.errors import RecordError, UsageError
 from panokit.io.files import storage_error
 

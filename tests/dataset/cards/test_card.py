@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from panokit.dataset.card import card_text
-from panokit.dataset.index import read_index
-from panokit.dataset.preview import contact_sheet, open_for_preview, spread
-from panokit.dataset.read import StereoDataset
+from panokit.dataset.cards.card import card_text
+from panokit.dataset.cards.preview import contact_sheet, open_for_preview, spread
+from panokit.dataset.storage.index import read_index
+from panokit.dataset.storage.read import StereoDataset
 from panokit.errors import StorageError
 from tests.dataset.conftest import COUNT
 from tests.dataset.fake import FakeMaker

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from panokit.console import Tick
-from panokit.dataset.attempts import SampleEvent
+from panokit.dataset.production.attempts import SampleEvent
 from panokit.errors import PanokitError
 from panokit.io.files import storage_error
 

@@ -6,10 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from panokit.dataset.decode import decode_exr, decode_member, decode_png
-from panokit.dataset.members import exr_bytes
-from panokit.dataset.read import StereoDataset
-from panokit.dataset.sampling import ShardSampler
+from panokit.dataset.storage.decode import decode_exr, decode_member, decode_png
+from panokit.dataset.storage.members import exr_bytes
+from panokit.dataset.storage.read import StereoDataset
+from panokit.dataset.storage.sampling import ShardSampler
 from panokit.errors import ImageError, RecordError, StorageError, UsageError
 from panokit.io.images import encode_png
 from tests.dataset.conftest import COUNT, SHARD

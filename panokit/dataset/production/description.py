@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from panokit.dataset.layout import DatasetFolder
-from panokit.dataset.maker import SampleMaker
+from panokit.dataset.production.maker import SampleMaker
+from panokit.dataset.storage.layout import DatasetFolder
 from panokit.errors import RecordError, SettingsError, StorageError
 from panokit.io.files import read_json, write_json
 from panokit.provenance import digest_of

@@ -9,17 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from panokit.console import Console
-from panokit.dataset.card import write_card
-from panokit.dataset.description import check_and_write, describe, read_description
-from panokit.dataset.index import index_shards, indexed_digest, shards_digest, write_index
-from panokit.dataset.layout import LOCK, DatasetFolder, plan_shards
-from panokit.dataset.losses import LossPolicy
-from panokit.dataset.maker import SampleMaker
-from panokit.dataset.production import ProductionSettings
-from panokit.dataset.progress import Progress
+from panokit.dataset.cards.card import write_card
+from panokit.dataset.production.description import check_and_write, describe, read_description
+from panokit.dataset.production.losses import LossPolicy
+from panokit.dataset.production.maker import SampleMaker
+from panokit.dataset.production.progress import Progress
+from panokit.dataset.production.settings import ProductionSettings
+from panokit.dataset.production.shard_task import STAGE, ShardItem, ShardTask, shard_key
+from panokit.dataset.production.spool import Spool
 from panokit.dataset.sample import sample_key
-from panokit.dataset.shard_task import STAGE, ShardItem, ShardTask, shard_key
-from panokit.dataset.spool import Spool
+from panokit.dataset.storage.index import index_shards, indexed_digest, shards_digest, write_index
+from panokit.dataset.storage.layout import LOCK, DatasetFolder, plan_shards
 from panokit.engine import Engine, LocalEngine, SerialEngine
 from panokit.errors import SettingsError
 from panokit.io.files import read_json

@@ -11,13 +11,13 @@ import pyarrow.compute as pc
 
 from panokit.capture import Capture, license_from_spdx
 from panokit.console import size_text
-from panokit.dataset.card_figures import draw_histograms
-from panokit.dataset.description import read_description
-from panokit.dataset.index import BYTES, member_names
-from panokit.dataset.member_table import meaning_of
-from panokit.dataset.preview import contact_sheet, spread
-from panokit.dataset.read import StereoDataset
+from panokit.dataset.cards.card_figures import draw_histograms
+from panokit.dataset.cards.preview import contact_sheet, spread
+from panokit.dataset.production.description import read_description
 from panokit.dataset.sample import SPLITS
+from panokit.dataset.storage.index import BYTES, member_names
+from panokit.dataset.storage.member_table import meaning_of
+from panokit.dataset.storage.read import StereoDataset
 from panokit.io.attribution import SHEET as CREDITS
 from panokit.io.attribution import write_attribution
 from panokit.io.files import write_bytes

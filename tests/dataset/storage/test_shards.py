@@ -2,8 +2,8 @@ import tarfile
 
 import pytest
 
-from panokit.dataset.layout import plan_shards
-from panokit.dataset.shards import read_members, tar_bytes, write_shard
+from panokit.dataset.storage.layout import plan_shards
+from panokit.dataset.storage.shards import read_members, tar_bytes, write_shard
 from panokit.errors import RecordError, UsageError
 
 SAMPLES = {

@@ -10,9 +10,9 @@ from PIL import Image, ImageDraw, ImageFont
 
 from panokit.color import tonemap
 from panokit.color.transfer import srgb_encode_u8
-from panokit.dataset.index import index_shards, indexed_digest, read_index, shards_digest
-from panokit.dataset.layout import DatasetFolder
-from panokit.dataset.read import StereoDataset
+from panokit.dataset.storage.index import index_shards, indexed_digest, read_index, shards_digest
+from panokit.dataset.storage.layout import DatasetFolder
+from panokit.dataset.storage.read import StereoDataset
 from panokit.errors import StorageError
 
 _CELL_PX, _GAP_PX, _HEAD_PX = 128, 4, 20

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from panokit.dataset.attempts import SampleEvent, make_with_attempts
-from panokit.dataset.description import check_same, describe, read_description
-from panokit.dataset.index import index_shards
-from panokit.dataset.layout import DatasetFolder
-from panokit.dataset.maker import SampleMaker
-from panokit.dataset.read import StereoDataset
+from panokit.dataset.production.attempts import SampleEvent, make_with_attempts
+from panokit.dataset.production.description import check_same, describe, read_description
+from panokit.dataset.production.maker import SampleMaker
 from panokit.dataset.sample import Sample, sample_key
+from panokit.dataset.storage.index import index_shards
+from panokit.dataset.storage.layout import DatasetFolder
+from panokit.dataset.storage.read import StereoDataset
 from panokit.engine import reports_to
 from panokit.errors import ItemError
 from panokit.io.files import write_bytes

@@ -2,8 +2,8 @@ import shutil
 
 import pytest
 
-from panokit.dataset.estimate import estimate_dataset
-from panokit.dataset.production import ProductionSettings
+from panokit.dataset.production.estimate import estimate_dataset
+from panokit.dataset.production.settings import ProductionSettings
 from panokit.errors import ItemError
 from tests.dataset.conftest import COUNT, SHARD
 from tests.dataset.fake import FakeMaker

@@ -11,14 +11,14 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from panokit.console import Console
-from panokit.dataset.decode import decode_member
-from panokit.dataset.description import read_description
-from panokit.dataset.index import BYTES, OFFSET, read_index
-from panokit.dataset.layout import DatasetFolder
-from panokit.dataset.member_table import ALWAYS
+from panokit.dataset.production.description import read_description
 from panokit.dataset.sample import SCHEMA
-from panokit.dataset.sample_checks import check_member, check_views
-from panokit.dataset.shards import Member, read_members
+from panokit.dataset.storage.decode import decode_member
+from panokit.dataset.storage.index import BYTES, OFFSET, read_index
+from panokit.dataset.storage.layout import DatasetFolder
+from panokit.dataset.storage.member_table import ALWAYS
+from panokit.dataset.storage.sample_checks import check_member, check_views
+from panokit.dataset.storage.shards import Member, read_members
 from panokit.errors import ItemError, PanokitError
 from panokit.io.files import read_json, sha256_of_file
 

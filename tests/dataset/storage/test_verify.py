@@ -3,13 +3,13 @@ import json
 import numpy as np
 import pytest
 
-from panokit.dataset.decode import decode_member
-from panokit.dataset.index import index_shards, read_index, write_index
-from panokit.dataset.layout import DatasetFolder
-from panokit.dataset.members import exr_bytes
-from panokit.dataset.sample_checks import check_member, check_views
-from panokit.dataset.shards import read_members, tar_bytes, write_shard
-from panokit.dataset.verify import check_splits, verify_dataset
+from panokit.dataset.storage.decode import decode_member
+from panokit.dataset.storage.index import index_shards, read_index, write_index
+from panokit.dataset.storage.layout import DatasetFolder
+from panokit.dataset.storage.members import exr_bytes
+from panokit.dataset.storage.sample_checks import check_member, check_views
+from panokit.dataset.storage.shards import read_members, tar_bytes, write_shard
+from panokit.dataset.storage.verify import check_splits, verify_dataset
 from panokit.errors import StorageError
 from panokit.io.files import file_entry, read_json, write_json
 from panokit.io.images import encode_png

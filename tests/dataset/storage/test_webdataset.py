@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from panokit.dataset.decode import decode_png
+from panokit.dataset.storage.decode import decode_png
 from tests.dataset.fake import FakeMaker
 
-GUIDE = Path(__file__).parent.parent.parent / "docs" / "guides" / "stereo-dataset.md"
+GUIDE = Path(__file__).parents[3] / "docs" / "guides" / "stereo-dataset.md"
 
 
 def documented_example():

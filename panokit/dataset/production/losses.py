@@ -4,9 +4,9 @@ from collections import Counter
 from dataclasses import replace
 
 from panokit.console import Console
-from panokit.dataset.attempts import SampleEvent
-from panokit.dataset.progress import Progress
-from panokit.dataset.shard_task import STAGE, ShardItem
+from panokit.dataset.production.attempts import SampleEvent
+from panokit.dataset.production.progress import Progress
+from panokit.dataset.production.shard_task import STAGE, ShardItem
 from panokit.engine import Loss
 from panokit.errors import PanokitError
 from panokit.records import RunFolder

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from panokit.dataset.attempts import SampleEvent, make_with_attempts
-from panokit.dataset.layout import DatasetFolder, plan_shards
-from panokit.dataset.maker import SampleMaker
-from panokit.dataset.produce import choose_shard_samples, wanted_count
-from panokit.dataset.production import ProductionSettings
-from panokit.dataset.shards import tar_bytes
+from panokit.dataset.production.attempts import SampleEvent, make_with_attempts
+from panokit.dataset.production.maker import SampleMaker
+from panokit.dataset.production.produce import choose_shard_samples, wanted_count
+from panokit.dataset.production.settings import ProductionSettings
+from panokit.dataset.storage.layout import DatasetFolder, plan_shards
+from panokit.dataset.storage.shards import tar_bytes
 from panokit.engine import available_cores, reports_to
 from panokit.errors import ItemError
 

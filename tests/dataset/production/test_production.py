@@ -10,20 +10,20 @@ from pathlib import Path
 
 import pytest
 
-from panokit.dataset.layout import LOCK, DatasetFolder
-from panokit.dataset.maker import SampleMaker
-from panokit.dataset.produce import render_dataset
-from panokit.dataset.production import ProductionSettings
-from panokit.dataset.read import StereoDataset
+from panokit.dataset.production.maker import SampleMaker
+from panokit.dataset.production.produce import render_dataset
+from panokit.dataset.production.settings import ProductionSettings
 from panokit.dataset.settings import DatasetSettings
-from panokit.dataset.shards import read_members
+from panokit.dataset.storage.layout import LOCK, DatasetFolder
+from panokit.dataset.storage.read import StereoDataset
+from panokit.dataset.storage.shards import read_members
 from panokit.engine import LocalEngine
 from panokit.errors import MissingExtraError, PanokitError, SettingsError, UsageError
 from panokit.io.lock import only_process
 from tests.dataset.conftest import COUNT, SHARD
 from tests.dataset.fake import FakeMaker
 
-ROOT = Path(__file__).parent.parent.parent
+ROOT = Path(__file__).parents[3]
 
 
 def render(out, maker: SampleMaker | None = None, **changes):
@@ -214,8 +214,8 @@ def test_a_full_disk_is_told_and_nothing_is_lost(tmp_path, finished_dataset, mon
 _DRIVER = """
 import sys
 from pathlib import Path
-from panokit.dataset.produce import render_dataset
-from panokit.dataset.production import ProductionSettings
+from panokit.dataset.production.produce import render_dataset
+from panokit.dataset.production.settings import ProductionSettings
 from tests.dataset.fake import FakeMaker
 if __name__ == "__main__":
     production = ProductionSettings(count=40, shard_samples=8, workers=int(sys.argv[2]))

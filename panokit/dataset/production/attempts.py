@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from panokit.dataset.maker import SampleMaker
+from panokit.dataset.production.maker import SampleMaker
 from panokit.dataset.sample import Sample
 from panokit.engine import report
 from panokit.errors import ItemError, PanokitError, UsageError

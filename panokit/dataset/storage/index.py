@@ -8,11 +8,11 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from panokit.dataset.decode import decode_exr, decode_member
-from panokit.dataset.index_columns import FROM_META, OWN, light_direction, row_from_meta
-from panokit.dataset.layout import DatasetFolder
-from panokit.dataset.member_table import in_order
-from panokit.dataset.shards import Member, read_members
+from panokit.dataset.storage.decode import decode_exr, decode_member
+from panokit.dataset.storage.index_columns import FROM_META, OWN, light_direction, row_from_meta
+from panokit.dataset.storage.layout import DatasetFolder
+from panokit.dataset.storage.member_table import in_order
+from panokit.dataset.storage.shards import Member, read_members
 from panokit.errors import RecordError, StorageError
 from panokit.frames import Rotation
 from panokit.io.files import atomic_write, read_json, storage_error

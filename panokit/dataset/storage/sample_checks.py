@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.dataset.member_table import MemberKind, member_kind
+from panokit.dataset.storage.member_table import MemberKind, member_kind
 
 # Half floats round a unit vector's length by up to this much.
 _UNIT_SLACK = 2e-3

@@ -13,7 +13,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from panokit.dataset.shards import BLOCK, read_members
+from panokit.dataset.storage.shards import BLOCK, read_members
 from panokit.io.files import sha256_of_bytes, storage_error
 
 _SUFFIX = ".sample"

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from panokit.dataset.attempts import make_with_attempts
-from panokit.dataset.maker import SampleMaker
+from panokit.dataset.production.attempts import make_with_attempts
+from panokit.dataset.production.maker import SampleMaker
+from panokit.dataset.production.spool import Finished, Spool
 from panokit.dataset.sample import sample_key
-from panokit.dataset.shards import tar_bytes, write_shard
-from panokit.dataset.spool import Finished, Spool
+from panokit.dataset.storage.shards import tar_bytes, write_shard
 from panokit.errors import StorageError
 from panokit.io.files import file_entry, write_json
 from panokit.provenance import digest_of

@@ -2,10 +2,10 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from panokit.dataset.index import index_shards, member_names, read_index
-from panokit.dataset.index_columns import light_direction
-from panokit.dataset.layout import DatasetFolder
-from panokit.dataset.shards import tar_bytes, write_shard
+from panokit.dataset.storage.index import index_shards, member_names, read_index
+from panokit.dataset.storage.index_columns import light_direction
+from panokit.dataset.storage.layout import DatasetFolder
+from panokit.dataset.storage.shards import tar_bytes, write_shard
 from panokit.errors import RecordError
 from panokit.frames import Rotation, direction_from_azimuth_elevation
 from panokit.sphere import equirect_directions

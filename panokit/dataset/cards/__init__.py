@@ -1,0 +1,1 @@
+"""A dataset for people: its card with histograms and credits, and sheets of samples."""
