@@ -57,6 +57,9 @@ def license_from_spdx(spdx: str, attribution: str, url: str = "") -> License:
         "CC-BY-SA-4.0": (True, "https://creativecommons.org/licenses/by-sa/4.0/"),
         "etalab-2.0": (False, "https://www.etalab.gouv.fr/licence-ouverte-open-licence/"),
         "ODbL-1.0": (True, "https://opendatacommons.org/licenses/odbl/1-0/"),
+        "Apache-2.0": (False, "https://www.apache.org/licenses/LICENSE-2.0"),
+        "MIT": (False, "https://opensource.org/license/mit"),
+        "public domain": (False, "https://creativecommons.org/publicdomain/mark/1.0/"),
     }
     known = {name.lower(): name for name in open_licenses}
     name = known.get(spdx.lower())
