@@ -62,14 +62,14 @@ def render_radiance(scene: Any, sky: Sky, view: View, seed: int) -> Picture:
     bounced = np.zeros_like(direct)
     for index, count in enumerate(_passes(view, view.samples)):
         # The same seed gives both the same rays, so their difference is what bounced.
-        rays = {"sensor": sensor, "spp": count, "seed": seed * 4096 + index}
+        rays = {"sensor": sensor, "spp": count, "seed": _seed(seed, index)}
         seen = np.array(mitsuba.render(scene, integrator=emitted, **rays))
         whole = np.array(mitsuba.render(scene, integrator=full, **rays))
         direct += seen * count
         bounced += np.clip(np.nan_to_num(whole - seen), 0, _BRIGHTEST_BOUNCE) * count
     extra = view.samples * (_EDGE_OVERSAMPLING - 1)
     for index, count in enumerate(_passes(view, extra)):
-        rays = {"sensor": sensor, "spp": count, "seed": seed * 4096 + 2000 + index}
+        rays = {"sensor": sensor, "spp": count, "seed": _seed(seed, 2000 + index)}
         direct += np.array(mitsuba.render(scene, integrator=emitted, **rays)) * count
     direct /= view.samples + extra
     bounced /= view.samples
@@ -152,7 +152,7 @@ def _denoised(scene: Any, sensor: Any, noisy: Picture, seed: int) -> Picture:
     guide = np.zeros((*noisy.shape[:2], 6), np.float32)
     for index in range(_GUIDE_SAMPLES):
         rendered = mitsuba.render(
-            scene, sensor=sensor, integrator=guides, spp=1, seed=seed * 4096 + 3000 + index
+            scene, sensor=sensor, integrator=guides, spp=1, seed=_seed(seed, 3000 + index)
         )
         guide += np.nan_to_num(np.array(rendered)[..., -6:]) / _GUIDE_SAMPLES
     # Padded across the seam, so that the cleaned picture still joins.
@@ -242,3 +242,8 @@ def _sun_visibility(scene: Any, sky: Sky, view: View) -> float:
         ray.maxt = 5000.0
         free += not np.array(scene.ray_test(ray)).any()
     return free / 64
+
+
+def _seed(seed: int, index: int) -> int:
+    """Of one rendering of a view; Mitsuba takes 32 bits."""
+    return (seed * 4096 + index) % 2**32

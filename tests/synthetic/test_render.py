@@ -33,7 +33,8 @@ def test_empty_place_shows_the_sky_as_it_is(tmp_path):
     np.testing.assert_allclose(seen, resize_radiance(radiance, 64), atol=0.08)
     # A camera that is turned and tilted sees the sky turned and tilted the other way.
     pose = Rotation.from_heading_pitch_roll(1.0, 0.3, -0.2)
-    tilted = render_radiance(scene, sky, view(samples=16, pose=pose), seed=1)
+    # With a seed that leaves 32 bits when it is spread over the passes.
+    tilted = render_radiance(scene, sky, view(samples=16, pose=pose), seed=3_000_000)
     expected = rotate_radiance(resize_radiance(radiance, 64), pose.inverse)
     np.testing.assert_allclose(tilted, expected, atol=0.08)
 
