@@ -77,7 +77,8 @@ def test_no_kernel_is_compiled_after_the_second_scene(renderer):
             renderer.render(what, cameras, FEW, number)
             renderer.reflectance(what.materials[0], what.light, FEW, number, 16)
             kernels = [k for k in drjit.kernel_history() if k["type"] == drjit.KernelType.JIT]
-            assert kernels
+            # The scalar variant is compiled once and for all.
+            assert bool(kernels) == renderer.describe()["variant"].startswith("llvm")
             new.append(sum(not k["cache_hit"] or k["cache_disk"] for k in kernels))
     finally:
         drjit.set_flag(drjit.JitFlag.KernelHistory, before)

@@ -328,7 +328,11 @@ def test_an_interrupted_command_leaves_order(library, tmp_path, number, code):
         *("--rig.width-px", "32", "--objects.per-kind", "3", "--objects.kinds", "vase"),
     ]
     command = [*base, "--workers", "2"]
-    driver = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    driver = subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        # A shell starts background jobs deaf to SIGINT, and what they start inherits it.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509
+    )  # fmt: skip
     deadline = time.monotonic() + 240
     while len(list(out.rglob("*.sample"))) < 2 and time.monotonic() < deadline:
         time.sleep(0.05)

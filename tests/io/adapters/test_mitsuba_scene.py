@@ -65,8 +65,11 @@ def test_the_sun_gives_what_it_says(beacon, tmp_path):
     (tmp_path / "probe.mitsuba.xml").write_text(mitsuba_scene("probe.mitsuba.exr", sun=sun))
     place = ",".join(f"{-4 * v}" for v in sun.direction)
     # A white sheet that faces the sun, seen with the sun at one's back.
-    picture = render(tmp_path, -sun.direction, extra=SHEET.replace("{place}", place), fov=5.0)
-    np.testing.assert_allclose(picture[16, 16], sun.irradiance / np.pi, rtol=1e-3)
+    extra = SHEET.replace("{place}", place)
+    picture = render(tmp_path, -sun.direction, extra=extra, fov=5.0, spp=256)
+    # Each path looks at the sun or at the black map, as chance has it: the mean of many.
+    seen = picture[12:21, 12:21].mean(axis=(0, 1))
+    np.testing.assert_allclose(seen, sun.irradiance / np.pi, rtol=0.04)
 
 
 def test_a_name_becomes_no_markup():
