@@ -15,30 +15,6 @@ from panokit.io.files import atomic_write
 from panokit.train.team import Team
 
 
-class Steps(Protocol):
-    """What a recipe says of its steps."""
-
-    @property
-    def steps(self) -> int:
-        """How many there are."""
-        ...
-
-    @property
-    def learning_rate(self) -> float:
-        """Of the first one."""
-        ...
-
-    @property
-    def weight_decay(self) -> float:
-        """Of AdamW."""
-        ...
-
-    @property
-    def ema_decay(self) -> float:
-        """Of the average over the steps."""
-        ...
-
-
 class Schedule(Protocol):
     """What the recipes of all kinds of network say of their steps."""
 
@@ -152,7 +128,7 @@ class Run:
         self.network.cpu().eval()
 
 
-def start(network: nn.Module, recipe: Steps, team: Team, *, seed: int) -> Run:
+def start(network: nn.Module, recipe: Schedule, team: Team, *, seed: int) -> Run:
     """A network at its first step: AdamW, the learning rate falling to zero on a cosine."""
     network = network.to(team.device)
     optimizer = torch.optim.AdamW(
