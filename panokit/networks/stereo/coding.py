@@ -1,4 +1,4 @@
-"""The torch twin of `panokit.color.hdr_coding`: code values to radiance, with gradients."""
+"""The torch twin of `panokit.color.hdr_coding`, in single precision and with gradients."""
 
 import torch
 from torch import Tensor
@@ -7,7 +7,26 @@ from panokit.color.hdr_coding import ColorCode, HdrCoding
 from panokit.color.lab import LabScheme, lab_matrices
 
 _EDGE = 6 / 29
-_LINE, _LINEAR_EDGE = 12.92, 0.04045 / 12.92
+_LINE, _ENCODED_EDGE = 12.92, 0.04045
+_LINEAR_EDGE = _ENCODED_EDGE / _LINE
+
+
+def encode(radiance: Tensor, coding: HdrCoding) -> Tensor:
+    """Code values of radiance (B, 3, H, W) >= 0; equal to `HdrCoding.encode`."""
+    logs = torch.log1p(radiance) / coding.log_max
+    if coding.color is ColorCode.RGB:
+        return 2 * logs - 1
+    curve = ((logs.clamp(min=_ENCODED_EDGE) + 0.055) / 1.055) ** 2.4
+    linear = torch.where(logs <= _ENCODED_EDGE, logs / _LINE, curve)
+    matrix = torch.as_tensor(
+        lab_matrices(_scheme(coding)).xyz_from_rgb, dtype=linear.dtype, device=linear.device
+    )
+    x, y, z = torch.einsum("ij,bjhw->ibhw", matrix, linear).unbind()
+    x, y, z = (
+        torch.where(v > _EDGE**3, v.clamp(min=_EDGE**3) ** (1 / 3), v / (3 * _EDGE**2) + 4 / 29)
+        for v in (x, y, z)
+    )
+    return torch.stack([(116 * y - 16) / 50 - 1, 500 * (x - y) / 110, 200 * (y - z) / 110], dim=1)
 
 
 def decode(code: Tensor, coding: HdrCoding) -> Tensor:
@@ -18,8 +37,7 @@ def decode(code: Tensor, coding: HdrCoding) -> Tensor:
     if coding.color is ColorCode.RGB:
         logs = (code + 1) / 2
     else:
-        scheme = LabScheme.PIX2PIX if coding.color is ColorCode.PIX2PIX else LabScheme.EXACT
-        logs = _rgb_from_lab(code, scheme)
+        logs = _rgb_from_lab(code, _scheme(coding))
     if coding.color is ColorCode.PIX2PIX:
         logs = logs.clamp(0, 1)
     return torch.expm1(logs.clamp(min=0) * coding.log_max)
@@ -34,3 +52,7 @@ def _rgb_from_lab(code: Tensor, scheme: LabScheme) -> Tensor:
     linear = torch.einsum("ij,bjhw->bihw", matrix, xyz)
     curve = 1.055 * linear.clamp(min=_LINEAR_EDGE) ** (1 / 2.4) - 0.055
     return torch.where(linear <= _LINEAR_EDGE, _LINE * linear, curve)
+
+
+def _scheme(coding: HdrCoding) -> LabScheme:
+    return LabScheme.PIX2PIX if coding.color is ColorCode.PIX2PIX else LabScheme.EXACT

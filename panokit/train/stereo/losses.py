@@ -14,7 +14,7 @@ from torch import Tensor
 
 from panokit.color.hdr_coding import HdrCoding
 from panokit.metrics.transport import transport
-from panokit.networks.stereo.coding import decode
+from panokit.networks.stereo.coding import decode, encode
 from panokit.sphere import equirect_directions, row_solid_angles
 from panokit.train.stereo.recipe import LossRecipe
 
@@ -48,8 +48,8 @@ class MapLoss:
         terms = {"l1": weights.l1 * (code - encode(truth, self._coding)).abs().mean()}
         if weights.render == weights.energy == weights.direction == 0:
             return terms
-        # In single precision the exponential of a wild guess would be infinite.
-        guess = decode(code.float(), self._coding).clamp(max=1e6)
+        # A wild guess of the first steps would drown everything else in its exponential.
+        guess = decode(code.float(), self._coding).clamp(max=self._coding.brightest)
         if weights.render:
             terms["render"] = weights.render * render_difference(guess, truth)
         energy, vector = light_vector(guess)
@@ -63,13 +63,6 @@ class MapLoss:
             )
             terms["direction"] = weights.direction * away.norm(dim=1).mean()
         return terms
-
-
-def encode(radiance: Tensor, coding: HdrCoding) -> Tensor:
-    """Code values of true radiance (B, 3, H, W); no gradient goes through it."""
-    values = radiance.detach().permute(0, 2, 3, 1).cpu().numpy()
-    code = torch.from_numpy(coding.encode(values)).permute(0, 3, 1, 2)
-    return code.to(radiance.device)
 
 
 def light_vector(radiance: Tensor) -> tuple[Tensor, Tensor]:

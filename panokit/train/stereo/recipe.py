@@ -1,17 +1,17 @@
 """Recipes of networks that read light: everything that decides a model, in TOML."""
 
-import tomllib
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeVar
 
 from pydantic import Field, ValidationError
 
 from panokit.color.hdr_coding import ColorCode, HdrCoding
-from panokit.errors import SettingsError, StorageError
+from panokit.errors import SettingsError
 from panokit.networks.stereo.settings import StereoNetSettings
 from panokit.settings import Settings
-from panokit.train.recipe import Precision
+from panokit.train.recipe import Precision, read_table
 
+Kept = TypeVar("Kept", bound=Settings)
 Kind = Literal["stereo", "dematerial", "dense-reflectance", "picture-reflectance"]
 
 
@@ -127,14 +127,17 @@ def read_lighting_recipe(path: Path) -> LightingRecipe:
         StorageError: If the file cannot be read.
         SettingsError: If it is not TOML, or holds a key or value that a recipe has not.
     """
+    return validated(LightingRecipe, read_table(path), path)
+
+
+def validated(kind: type[Kept], table: dict[str, object], path: Path) -> Kept:
+    """The settings in a table of a file.
+
+    Raises:
+        SettingsError: If a key or value does not belong there; it names the first of them.
+    """
     try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise StorageError(f"Cannot read the recipe {path}: {error.strerror}.") from error
-    try:
-        return LightingRecipe.model_validate(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise SettingsError(f"{path} is not valid TOML: {error}.") from error
+        return kind.model_validate(table)
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"])
