@@ -1,6 +1,5 @@
 """What predicts a map from two views: released models, any ONNX file, and the baselines."""
 
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
@@ -19,15 +18,24 @@ from panokit.evaluate.lighting.baselines import (
     TrainingMaps,
 )
 from panokit.evaluate.lighting.inversion import ReflectanceInversion
+from panokit.evaluate.lighting.models import ModelFacts, read_facts
 from panokit.evaluate.lighting.sample import StereoSample, Views
 from panokit.inference import Session
-from panokit.reflectance import segment_materials, sparse_reflectance
+from panokit.reflectance import add_noise, sparse_reflectance
+
+_INPUTS = frozenset({"left", "right", "background", "maps", "map"})
 
 
 class LightingPredictor(Protocol):
-    """Predicts the light of a scene."""
+    """Predicts the light of a scene.
+
+    Attributes:
+        name: For tables.
+        digest: Changes when it predicts otherwise; what was scored under another is scored anew.
+    """
 
     name: str
+    digest: str
 
     def predict(self, sample: StereoSample) -> NDArray[np.float32]:
         """(64, 64, 3) linear radiance, anamorphic, in the left camera's frame, 1.0 white."""
@@ -50,32 +58,27 @@ class NetworkPredictor:
     """A model that reads light, from its folder; see docs/formats.md for what goes in.
 
     Args:
-        folder: With model.toml and the network that it names.
-        name: For tables; the folder's name if not given.
+        model: Its folder, with model.toml and the network that it names; or what was read of it.
+        name: For tables; the model's id if not given.
 
     Raises:
         ModelError: If the folder holds no such model.
     """
 
-    def __init__(self, folder: Path, name: str = "") -> None:
-        self.name = name or folder.name
-        try:
-            card = tomllib.loads((folder / "model.toml").read_text(encoding="utf-8"))
-            spec, file = card["lighting"], card["files"]["lighting"]["name"]
-            self._size, self._views = int(spec["input_px"]), str(spec["views"])
-            self._materials = int(spec.get("materials", 1))
-        except (OSError, tomllib.TOMLDecodeError, KeyError, ValueError) as error:
-            raise ModelError(
-                f"{folder} is not a model that reads light from two views ({error!r}). "
-                "Its model.toml needs the tables [lighting] and [files.lighting]."
-            ) from error
-        self.session = Session(folder / file)
-        unknown = set(self.session.inputs) - {"left", "right", "background", "maps"}
+    def __init__(self, model: Path | ModelFacts, name: str = "") -> None:
+        self.facts = read_facts(model) if isinstance(model, Path) else model
+        self.name = name or self.facts.name
+        self.digest = self.facts.digest
+        path = self.facts.folder / self.facts.file
+        if not path.is_file():
+            raise ModelError(f"There is no {path}, which its model.toml names. Train it again.")
+        self.session = Session(path)
+        unknown = set(self.session.inputs) - _INPUTS
         if unknown:
-            raise ModelError(f"{folder} asks for {sorted(unknown)}, which samples do not have.")
+            raise ModelError(f"{path} asks for {sorted(unknown)}, which samples do not have.")
 
     def predict(self, sample: StereoSample) -> NDArray[np.float32]:
-        """(64, 64, 3)."""
+        """(64, 64, 3): light, or for networks that predict reflectance a dense map of it."""
         found = self.session.run(self.inputs(sample))
         radiance = np.asarray(next(iter(found.values())))[0]
         if radiance.shape != (3, 64, 64):
@@ -85,31 +88,55 @@ class NetworkPredictor:
     def inputs(self, sample: StereoSample) -> dict[str, NDArray[np.float32]]:
         """What the network is given: each of its inputs with a batch of one."""
         views = sample.views
-        on_background = self._views == "composited"
+        # A network from a picture to reflectance sees no background either.
+        on_background = self.facts.kind == "stereo" and self.facts.views == "composited"
         make: dict[str, Callable[[], NDArray[np.float32]]] = {
             "left": lambda: self._picture(views.left if on_background else views.left_object),
             "right": lambda: self._picture(views.right if on_background else views.right_object),
             "background": lambda: self._picture(views.background),
-            "maps": lambda: self._maps(views),
+            "maps": lambda: self._maps(views, int(sample.key)),
+            "map": lambda: self._maps(views, int(sample.key)),
         }
         return {name: make[name]() for name in self.session.inputs}
 
     def _picture(self, picture: NDArray[np.uint8]) -> NDArray[np.float32]:
-        size = (self._size, self._size)
-        if picture.shape[:2] != size:
-            picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
-        return np.ascontiguousarray(picture.transpose(2, 0, 1)[None] / np.float32(255))
+        small = self._small(picture)
+        return np.ascontiguousarray(small.transpose(2, 0, 1)[None] / np.float32(255))
 
-    def _maps(self, views: Views) -> NDArray[np.float32]:
-        """Sparse reflectance maps by the true normals, of as many materials as there are inputs."""
-        picture = views.left_object / np.float32(255)
-        seen = views.mask & (np.abs(views.normals).sum(axis=-1) > 0)
-        masks = [seen]
-        if self._materials > 1:
-            part = segment_materials(picture, seen, self._materials)
-            masks = [part == number for number in range(1, self._materials + 1)]
+    def _maps(self, views: Views, seed: int) -> NDArray[np.float32]:
+        """Sparse reflectance maps by the true normals and materials, as in training."""
+        picture = self._small(views.left_object) / np.float32(255)
+        size = self.facts.input_px
+        parts = cv2.resize(views.parts, (size, size), interpolation=cv2.INTER_NEAREST)
+        normals = self._normals(views.normals)
+        seen = (np.asarray(parts) > 0) & (np.abs(normals).sum(axis=-1) > 0)
+        if self.facts.noise_deg > 0:
+            normals = add_noise(
+                normals, seen, self.facts.noise_deg, smooth_px=self.facts.smooth_px, seed=seed
+            )
+        if self.facts.kind == "dense-reflectance":
+            masks = [seen & (parts == 1)]
+        elif self.facts.materials == 1:
+            masks = [seen]
+        else:
+            masks = [seen & (parts == number + 1) for number in range(self.facts.materials)]
         channels = []
         for mask in masks:
-            found = sparse_reflectance(picture, views.normals, mask)
+            found = sparse_reflectance(picture, normals, mask)
             channels += [found.color.transpose(2, 0, 1), found.valid[None].astype(np.float32)]
         return np.concatenate(channels)[None]
+
+    def _small(self, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        size = (self.facts.input_px, self.facts.input_px)
+        if picture.shape[:2] == size:
+            return picture
+        return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+
+    def _normals(self, normals: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Of larger pixels: means, made unit again."""
+        size = (self.facts.input_px, self.facts.input_px)
+        if normals.shape[:2] == size:
+            return normals
+        small = np.asarray(cv2.resize(normals, size, interpolation=cv2.INTER_AREA), np.float32)
+        length = np.linalg.norm(small, axis=-1, keepdims=True)
+        return np.where(length > 0.5, small / np.maximum(length, 1e-6), 0).astype(np.float32)
