@@ -7,6 +7,7 @@ of a word of `FROM_WORKER` and a value.
 import os
 import pickle
 import signal
+import sys
 import threading
 import traceback
 from collections.abc import Callable
@@ -45,7 +46,7 @@ def serve(pipe: "Connection[Any, Any]", task: Callable[[Any], Any]) -> None:
             except Exception as error:
                 if not isinstance(error, PanokitError):
                     error.add_note(f"In a worker process:\n{traceback.format_exc()}")
-                send("error", _sendable(error))
+                send("error", sendable(error))
             else:
                 send("outcome", outcome)
 
@@ -56,7 +57,7 @@ def _prepare() -> None:
     if hasattr(os, "setpgrp"):
         # Whatever a task starts (Blender) ends together with it: see `kill_group`.
         os.setpgrp()
-    _use_one_thread()
+    use_one_thread()
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
@@ -76,7 +77,7 @@ def _end_with_parent() -> None:
         kill_group(os.getpid())
 
 
-def _sendable(error: Exception) -> Exception:
+def sendable(error: Exception) -> Exception:
     """The error itself if it survives the way to the driver, or its text."""
     try:
         copy = pickle.loads(pickle.dumps(error))
@@ -92,9 +93,13 @@ def _sendable(error: Exception) -> Exception:
     return PanokitError(f"{type(error).__name__}: {error}. Report it to the developers.")
 
 
-def _use_one_thread() -> None:
+def use_one_thread() -> None:
+    """Let numerical libraries of this process, and of those it starts, compute with one thread."""
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
     import cv2  # here, because it reads the environment when it is loaded
 
     cv2.setNumThreads(1)
+    if "torch" in sys.modules:
+        # Loaded with the task, before the environment said so; two such workers would fight.
+        sys.modules["torch"].set_num_threads(1)

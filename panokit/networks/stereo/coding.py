@@ -34,10 +34,8 @@ def decode(code: Tensor, coding: HdrCoding) -> Tensor:
 
     The compatible variant clips as it always did, so it has no gradient beyond [0, 1].
     """
-    if coding.color is ColorCode.RGB:
-        logs = (code + 1) / 2
-    else:
-        logs = _rgb_from_lab(code, _scheme(coding))
+    is_rgb = coding.color is ColorCode.RGB
+    logs = (code + 1) / 2 if is_rgb else _rgb_from_lab(code, _scheme(coding))
     if coding.color is ColorCode.PIX2PIX:
         logs = logs.clamp(0, 1)
     return torch.expm1(logs.clamp(min=0) * coding.log_max)

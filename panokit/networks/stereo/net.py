@@ -11,9 +11,13 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from panokit.color.hdr_coding import HdrCoding
 from panokit.networks.stereo.blocks import Decode, Encode, WrappedConvolution
+from panokit.networks.stereo.coding import decode, encode
+from panokit.networks.stereo.lights import LightLobes
 from panokit.networks.stereo.settings import ENCODER_BLOCKS, StereoNetSettings
 from panokit.networks.stereo.similarity import similarity, similarity_channels
+from panokit.networks.stereo.window import BackgroundWindow
 
 _BOTTLENECK_PX = 4
 
@@ -42,11 +46,13 @@ class StereoNet(nn.Module):
 
     Args:
         settings: Which network.
+        coding: Of the map; the window and the lights need to know it.
     """
 
-    def __init__(self, settings: StereoNetSettings) -> None:
+    def __init__(self, settings: StereoNetSettings, coding: HdrCoding | None = None) -> None:
         super().__init__()
         self.settings = settings
+        self.coding = coding or HdrCoding()
         self.left = Encoder(settings)
         self.right = Encoder(settings) if settings.weights == "unshared" else None
         self.background = Encoder(settings) if settings.background == "branch" else None
@@ -72,12 +78,20 @@ class StereoNet(nn.Module):
             Decode(a + more, b, settings.layers, wrap=settings.wrap)
             for a, b, more in zip(widths, widths[1:], skipped, strict=False)
         )
-        last = (
+        self.dropout = nn.Dropout2d(settings.dropout)
+        self.window = self.blend = self.lobes = None
+        if settings.window:
+            self.window = BackgroundWindow(settings.fov_deg, settings.output_px, self.coding)
+            self.blend = WrappedConvolution(widths[-1] + 4, widths[-1])
+        if settings.lights:
+            self.lobes = LightLobes(
+                fused * self.size**2, settings.lights, settings.output_px, self.coding.log_max
+            )
+        self.last = (
             WrappedConvolution(widths[-1], 3)
             if settings.wrap
             else nn.Conv2d(widths[-1], 3, 3, padding=1)
         )
-        self.last = last
 
     def forward(self, left: Tensor, right: Tensor, background: Tensor) -> Tensor:
         """The coded map of each pair.
@@ -97,13 +111,19 @@ class StereoNet(nn.Module):
             parts += self._compare(of_left, of_right)
         if self.background is not None:
             parts.append(self.background(background)[-1])
-        x = self.fusion(torch.cat(parts, dim=1))
+        fused = x = self.dropout(self.fusion(torch.cat(parts, dim=1)))
         for n, block in enumerate(self.decoder):
             if self.settings.multi_scale and n < ENCODER_BLOCKS:
                 early = of_left[ENCODER_BLOCKS - 1 - n]
                 x = torch.cat([x, _resized(early, x.shape[-1])], dim=1)
             x = block(x)
-        return self.last(x)
+        if self.window is not None and self.blend is not None:
+            x = F.relu(self.blend(torch.cat([x, self.window(background).to(x.dtype)], dim=1)))
+        code = self.last(x)
+        if self.lobes is None:
+            return code
+        painted = decode(code.float(), self.coding).clamp(max=self.coding.brightest)
+        return encode(painted + self.lobes(fused.flatten(1)), self.coding)
 
     def _encode_views(self, left: Tensor, right: Tensor) -> tuple[list[Tensor], list[Tensor]]:
         of_left = self.left(left)

@@ -51,6 +51,18 @@ class StereoNetSettings(Settings):
     wrap: bool = False
     """Whether the decoder's last convolutions close the map in azimuth."""
 
+    window: bool = False
+    """Whether the background goes where the map shows it, too; needs `fov_deg`."""
+
+    fov_deg: float = Field(default=40.0, gt=0, lt=180)
+    """Angle of view of the square pictures."""
+
+    lights: int = Field(default=0, ge=0, le=8)
+    """Lobes of light that a head adds to the decoder's map."""
+
+    dropout: float = Field(default=0.0, ge=0, lt=1)
+    """Share of fused features that are left out in training."""
+
     @model_validator(mode="after")
     def _fits(self) -> "StereoNetSettings":
         if self.input_px % 2**ENCODER_BLOCKS:

@@ -11,6 +11,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
+from torch.nn import functional as F
 
 from panokit.color.hdr_coding import HdrCoding
 from panokit.metrics.transport import transport
@@ -23,6 +24,8 @@ _ACROSS, _DOWN = 32, 16
 _SCENES = ("diffuse", "glossy-0.3", "plane")
 _PIXELS = 200
 _FLOOR = 1e-3
+# Of SSIM, for values with a range of 2.
+_WINDOW, _C1, _C2 = 7, (0.01 * 2) ** 2, (0.03 * 2) ** 2
 
 
 class MapLoss:
@@ -46,10 +49,12 @@ class MapLoss:
         """
         weights = self._weights
         terms = {"l1": weights.l1 * (code - encode(truth, self._coding)).abs().mean()}
-        if weights.render == weights.energy == weights.direction == 0:
+        if weights.dssim == weights.render == weights.energy == weights.direction == 0:
             return terms
         # A wild guess of the first steps would drown everything else in its exponential.
         guess = decode(code.float(), self._coding).clamp(max=self._coding.brightest)
+        if weights.dssim:
+            terms["dssim"] = weights.dssim * dssim(guess, truth)
         if weights.render:
             terms["render"] = weights.render * render_difference(guess, truth)
         energy, vector = light_vector(guess)
@@ -71,6 +76,26 @@ def light_vector(radiance: Tensor) -> tuple[Tensor, Tensor]:
     weights, directions = (part.to(gray) for part in _geometry(*radiance.shape[-2:]))
     weighted = gray * weights
     return weighted.sum(dim=1), weighted @ directions
+
+
+def dssim(guess: Tensor, truth: Tensor) -> Tensor:
+    """The mean of (1 - SSIM) / 2 over windows, channels and pictures (B, 3, H, W).
+
+    The twin of `panokit.metrics.similarity.dssim` with the preset "thesis": windows of 7x7 that
+    lie inside the picture, sample covariance, range 2 (Wang et al. 2004, equation 13).
+    """
+    means, true_means = _windows(guess), _windows(truth)
+    sample = _WINDOW**2 / (_WINDOW**2 - 1)
+    spread = sample * (_windows(guess**2) - means**2)
+    true_spread = sample * (_windows(truth**2) - true_means**2)
+    shared = sample * (_windows(guess * truth) - means * true_means)
+    alike = (2 * means * true_means + _C1) * (2 * shared + _C2)
+    of_both = (means**2 + true_means**2 + _C1) * (spread + true_spread + _C2)
+    return ((1 - alike / of_both) / 2).mean()
+
+
+def _windows(values: Tensor) -> Tensor:
+    return F.avg_pool2d(values, _WINDOW, stride=1)
 
 
 def render_difference(guess: Tensor, truth: Tensor) -> Tensor:

@@ -36,6 +36,9 @@ class LossRecipe(Settings):
     l1: float = Field(default=1.0, ge=0)
     """Mean absolute difference of code values: the thesis's loss."""
 
+    dssim: float = Field(default=0.0, ge=0)
+    """Structural dissimilarity of radiance, with the thesis's windows."""
+
     render: float = Field(default=0.0, ge=0)
     """Relative difference of what scenes look like in the light: a matte ball, a satin ball and
     a plane with its shadows."""

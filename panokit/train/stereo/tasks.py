@@ -23,7 +23,7 @@ def build_network(recipe: LightingRecipe) -> nn.Module:
         recipe.network.input_px, recipe.network.width, recipe.network.layers,
     )  # fmt: skip
     if recipe.kind == "stereo":
-        return StereoNet(recipe.network)
+        return StereoNet(recipe.network, recipe.coding.coding)
     if recipe.kind == "dematerial":
         return Dematerial(
             materials=recipe.materials, background_px=size, width=width, layers=layers
