@@ -22,6 +22,8 @@ class Views:
         background: (H, W, 3) uint8, what is behind the object in the left view.
         normals: (H, W, 3) float32 in the left camera's frame, 0 where they are not known. True
             normals: only methods that are said to know them may use them.
+        parts: (H, W) uint8, the number of the material from 1 on the object, 0 beside it; 1 all
+            over the object where materials are not known.
         fov_deg: From the left to the right edge.
         baseline_m: Between the cameras.
         left_level: Turns directions of the left camera's frame into a level frame that looks the
@@ -38,6 +40,7 @@ class Views:
     mask: NDArray[np.bool_]
     background: NDArray[np.uint8]
     normals: NDArray[np.float32]
+    parts: NDArray[np.uint8]
     fov_deg: float
     baseline_m: float
     left_level: Rotation
@@ -56,6 +59,13 @@ class Views:
                     "pictures of one size, display-encoded RGB.",
                     reason="wrong-shape",
                 )
+
+        if self.parts.shape != size or self.parts.dtype != np.uint8:
+            raise ImageError(
+                f"The parts of an object are {size} uint8, not {self.parts.shape} "
+                f"{self.parts.dtype}. Without any, give the mask as numbers.",
+                reason="wrong-shape",
+            )
 
     @property
     def focal_px(self) -> float:

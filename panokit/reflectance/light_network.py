@@ -15,21 +15,27 @@ from numpy.typing import NDArray
 
 from panokit.errors import ModelError, UsageError
 from panokit.inference import DEFAULT_THREADS, Session
-from panokit.reflectance.materials import segment_materials
 from panokit.reflectance.sparse import sparse_reflectance
 from panokit.stereo import Views
 
 TARGET_PX = 64
-INPUTS = ("left", "right", "background", "maps")
+INPUTS = frozenset({"left", "right", "background", "maps", "map"})
+Map = NDArray[np.float32]
+# Takes normals (H, W, 3) and where there are any (H, W), and gives normals that are off.
+NormalNoise = Callable[[NDArray[np.float32], NDArray[np.bool_]], NDArray[np.float32]]
 
 
 class LightNetwork:
-    """A model that reads light, from its folder; see docs/formats.md for what goes in.
+    """A model that reads light, or reflectance, from its folder; docs/formats.md says how.
 
     Args:
         folder: With model.toml and the network that it names.
         threads: As of `panokit.inference.Session`.
         device: As of `panokit.inference.Session`.
+
+    Attributes:
+        spec: The table [lighting] of its model.toml.
+        kind: "stereo", "dematerial", "dense-reflectance" or "picture-reflectance".
 
     Raises:
         ModelError: If the folder holds no such model.
@@ -42,7 +48,8 @@ class LightNetwork:
         try:
             card = tomllib.loads((self.folder / "model.toml").read_text(encoding="utf-8"))
             self.spec: Mapping[str, Any] = card["lighting"]
-            file = card["files"]["lighting"]["name"]
+            path = self.folder / str(card["files"]["lighting"]["name"])
+            self.kind = str(self.spec["kind"])
             self._size, self._views = int(self.spec["input_px"]), str(self.spec["views"])
             self._materials = int(self.spec.get("materials", 1))
         except (OSError, tomllib.TOMLDecodeError, KeyError, ValueError, TypeError) as error:
@@ -50,35 +57,43 @@ class LightNetwork:
                 f"{folder} is not a model that reads light from two views ({error!r}). "
                 "Its model.toml needs the tables [lighting] and [files.lighting]."
             ) from error
-        self.session = Session(self.folder / file, threads=threads, device=device)
-        unknown = set(self.session.inputs) - set(INPUTS)
+        if not path.is_file():
+            raise ModelError(f"There is no {path}, which its model.toml names. Train it again.")
+        self.session = Session(path, threads=threads, device=device)
+        unknown = set(self.session.inputs) - INPUTS
         if unknown:
-            raise ModelError(f"{folder} asks for {sorted(unknown)}, which views do not have.")
+            raise ModelError(f"{path} asks for {sorted(unknown)}, which views do not have.")
 
     @property
     def sees_both(self) -> bool:
         """Whether it looks at the right view at all."""
         return "right" in self.session.inputs
 
-    def read(self, views: Views) -> NDArray[np.float32]:
+    def read(self, views: Views, noise: NormalNoise | None = None) -> Map:
         """The light: (64, 64, 3) linear radiance, anamorphic, in the left camera's frame.
 
-        1.0 is the white of the pictures.
+        1.0 is the white of the pictures. Networks of reflectance give a dense map of that.
+
+        Args:
+            views: What to look at.
+            noise: Spoils the normals, for models that were trained so.
 
         Raises:
             UsageError: If the model needs normals and the views have none.
             ModelError: If the model gives something else.
         """
-        return self.read_all([views])[0]
+        return self._run([self.inputs(views, noise)])[0]
 
-    def read_all(self, several: Sequence[Views]) -> list[NDArray[np.float32]]:
+    def read_all(self, several: Sequence[Views]) -> list[Map]:
         """The light of each of several views, in one run of the network; see `read`."""
-        given = [self.inputs(views) for views in several]
+        return self._run([self.inputs(views) for views in several])
+
+    def _run(self, given: Sequence[Mapping[str, NDArray[np.float32]]]) -> list[Map]:
         found = self.session.run(
             {name: np.concatenate([one[name] for one in given]) for name in self.session.inputs}
         )
         radiance = np.asarray(next(iter(found.values())))
-        if radiance.shape != (len(several), 3, TARGET_PX, TARGET_PX):
+        if radiance.shape != (len(given), 3, TARGET_PX, TARGET_PX):
             raise ModelError(
                 f"{self.folder.name} gives {radiance.shape[1:]}, not (3, {TARGET_PX}, {TARGET_PX})."
             )
@@ -87,38 +102,62 @@ class LightNetwork:
             for one in radiance
         ]
 
-    def inputs(self, views: Views) -> dict[str, NDArray[np.float32]]:
+    def inputs(
+        self, views: Views, noise: NormalNoise | None = None
+    ) -> dict[str, NDArray[np.float32]]:
         """What the network is given: each of its inputs with a batch of one."""
-        on_background = self._views == "composited"
+        # A network from a picture to reflectance sees no background either.
+        on_background = self.kind == "stereo" and self._views == "composited"
         make: dict[str, Callable[[], NDArray[np.float32]]] = {
             "left": lambda: self._picture(views.left if on_background else views.left_object),
             "right": lambda: self._picture(views.right if on_background else views.right_object),
             "background": lambda: self._picture(views.background),
-            "maps": lambda: self._maps(views),
+            "maps": lambda: self._maps(views, noise),
+            "map": lambda: self._maps(views, noise),
         }
         return {name: make[name]() for name in self.session.inputs}
 
     def _picture(self, picture: NDArray[np.uint8]) -> NDArray[np.float32]:
-        size = (self._size, self._size)
-        if picture.shape[:2] != size:
-            picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
-        return np.ascontiguousarray(picture.transpose(2, 0, 1)[None] / np.float32(255))
+        small = self._small(picture)
+        return np.ascontiguousarray(small.transpose(2, 0, 1)[None] / np.float32(255))
 
-    def _maps(self, views: Views) -> NDArray[np.float32]:
-        """Sparse reflectance maps by the normals, of as many materials as there are inputs."""
-        picture = views.left_object / np.float32(255)
-        seen = views.mask & (np.abs(views.normals).sum(axis=-1) > 0)
-        if views.mask.any() and not seen.any():
+    def _maps(self, views: Views, noise: NormalNoise | None) -> NDArray[np.float32]:
+        """Sparse reflectance maps by normals and materials, as in training."""
+        picture = self._small(views.left_object) / np.float32(255)
+        size = (self._size, self._size)
+        parts = np.asarray(cv2.resize(views.parts, size, interpolation=cv2.INTER_NEAREST))
+        normals = self._normals(views.normals)
+        seen = (parts > 0) & (np.abs(normals).sum(axis=-1) > 0)
+        if (parts > 0).any() and not seen.any():
             raise UsageError(
                 f"{self.folder.name} reads reflectance maps, which need normals, and these views "
                 "have none. Take a model that reads pictures alone."
             )
-        masks = [seen]
-        if self._materials > 1:
-            part = segment_materials(picture, seen, self._materials)
-            masks = [part == number for number in range(1, self._materials + 1)]
+        if noise is not None:
+            normals = noise(normals, seen)
+        if self.kind == "dense-reflectance":
+            masks = [seen & (parts == 1)]
+        elif self._materials == 1:
+            masks = [seen]
+        else:
+            masks = [seen & (parts == number + 1) for number in range(self._materials)]
         channels = []
         for mask in masks:
-            found = sparse_reflectance(picture, views.normals, mask)
+            found = sparse_reflectance(picture, normals, mask)
             channels += [found.color.transpose(2, 0, 1), found.valid[None].astype(np.float32)]
         return np.concatenate(channels)[None]
+
+    def _small(self, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        size = (self._size, self._size)
+        if picture.shape[:2] == size:
+            return picture
+        return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+
+    def _normals(self, normals: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Of larger pixels: means, made unit again."""
+        size = (self._size, self._size)
+        if normals.shape[:2] == size:
+            return normals
+        small = np.asarray(cv2.resize(normals, size, interpolation=cv2.INTER_AREA), np.float32)
+        length = np.linalg.norm(small, axis=-1, keepdims=True)
+        return np.where(length > 0.5, small / np.maximum(length, 1e-6), 0).astype(np.float32)
