@@ -1,14 +1,87 @@
-"""`panokit evaluate expansion`: how much light methods recover."""
+"""`panokit evaluate`: how well models read light; how much light expansion recovers."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from panokit.cli.options import Json
 from panokit.console import Console
+from panokit.errors import UsageError
+from panokit.evaluate.lighting.settings import LightingEvaluation
 from panokit.evaluate.settings import ExpansionEvaluation
 from panokit.expand.settings import ExpandSettings
+
+
+def lighting(
+    *models: str,
+    data: Path,
+    out: Path,
+    split: Literal["train", "validation", "test"] = "test",
+    baselines: bool = True,
+    speed: bool = True,
+    report: bool = True,
+    settings: Annotated[LightingEvaluation, Parameter(name="*")] = LightingEvaluation(),
+    json: Json = False,
+) -> int:
+    """Judge models that read light from two views, beside baselines that need no training.
+
+    What is scored is kept; run the same command again to go on, or with more models.
+
+    Parameters
+    ----------
+    models
+        Folders of models, folders of such folders, or ids of released models.
+    data
+        A stereo dataset.
+    out
+        Where results.jsonl, history.jsonl, models.jsonl and all figures go.
+    split
+        Of the dataset.
+    baselines
+        Judge the baselines, too.
+    speed
+        Measure latency and memory, once for each architecture.
+    report
+        Draw all figures and write report.html, report.md and summary.json.
+    """
+    if not models and not baselines:
+        raise UsageError("There is nothing to judge. Name a model's folder, or leave --baselines.")
+    from panokit.evaluate.lighting.evaluation import evaluate
+    from panokit.evaluate.lighting.terminal import table_of
+
+    console = Console(as_json=json)
+    found = evaluate(
+        models, data, out, split=split, with_baselines=baselines, with_speed=speed,
+        settings=settings, console=console,
+    )  # fmt: skip
+    for table in table_of(found):
+        console.table(table.header, table.rows)
+        for note in table.notes:
+            console.result(note)
+        console.result("")
+    if report:
+        return figures(out, json=json)
+    console.result(f"All figures: {out / 'results.jsonl'}")
+    return 0
+
+
+def figures(results: Path, /, *, json: Json = False) -> int:
+    """Draw all figures and tables of an evaluation anew, without its models or its dataset.
+
+    Parameters
+    ----------
+    results
+        The folder that `panokit evaluate --out` wrote.
+    """
+    from panokit.evaluate.lighting.pack import write_pack
+
+    console = Console(as_json=json)
+    with console.stage("figures", None) as tick:
+        summary = write_pack(results, tick=tick)
+    console.result(f"Report: {results / 'report.html'}")
+    console.value(summary)
+    return 0
 
 
 def expansion(

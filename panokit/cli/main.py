@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import count, takewhile
 from pathlib import Path
@@ -60,7 +60,10 @@ _GROUPS = {
     ),
     "evaluate": (
         "How good methods are, on data that they have not seen",
-        {"expansion": ("evaluate:expansion", "The light recovered from clipped panoramas")},
+        {
+            "expansion": ("evaluate:expansion", "The light recovered from clipped panoramas"),
+            "figures": ("evaluate:figures", "All figures of an evaluation, drawn anew"),
+        },
     ),
     "models": (
         "The released networks",
@@ -93,8 +96,17 @@ def build_app() -> App:
         group = App(name=name, help=text, sort_key=next(order))
         for inner, (place, inner_text) in commands.items():
             group.command(f"panokit.cli.{place}", name=inner, help=inner_text)
+        if name == "evaluate":
+            group.default(_evaluate())
         app.command(group)
     return app
+
+
+def _evaluate() -> Callable[..., int]:
+    """What `panokit evaluate MODEL` does; a default cannot be named by text."""
+    from panokit.cli.evaluate import lighting
+
+    return lighting
 
 
 def _default_text(value: object) -> str | None:

@@ -24,6 +24,7 @@ class BackgroundExtrapolation:
     """
 
     name = "background, extended"
+    digest = "1"
 
     def predict(self, sample: StereoSample) -> NDArray[np.float32]:
         """(64, 64, 3)."""

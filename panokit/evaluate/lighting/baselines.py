@@ -5,6 +5,7 @@ of the logs of the training maps; the random map is one of them; the nearest map
 them nearest to the *truth*, which no method can know: how far memory alone could get.
 """
 
+import hashlib
 from collections.abc import Iterable
 
 import numpy as np
@@ -24,27 +25,52 @@ class TrainingMaps:
     """The maps of a training split, (N, 64, 64, 3) float32.
 
     Args:
-        maps: One for each sample; at most `MOST_MAPS` of them are kept, evenly over all.
+        maps: One for each sample; at most `most` of them are kept, evenly over all.
+        most: See `maps`.
     """
 
-    def __init__(self, maps: Iterable[Maps]) -> None:
+    def __init__(self, maps: Iterable[Maps], most: int = MOST_MAPS) -> None:
         every = list(maps)
         if not every:
             raise UsageError("There are no training maps. Give the dataset's folder.")
-        step = max(1, -(-len(every) // MOST_MAPS))
+        step = max(1, -(-len(every) // most))
         self.maps = np.stack(every[::step])
-        self.logs = np.log(np.maximum(self.maps, _DARKEST))
+        self.digest = hashlib.sha256(np.ascontiguousarray(self.maps[:, ::4, ::4])).hexdigest()[:16]
+        self._flat = np.stack([_coarse_logs(one) for one in self.maps])
+        self._squares = (self._flat.astype(np.float64) ** 2).sum(axis=1)
 
     def mean(self) -> Maps:
         """The mean map, of logs."""
-        return np.asarray(np.exp(self.logs.mean(axis=0)), np.float32)
+        logs = np.zeros(self.maps.shape[1:], np.float64)
+        for one in self.maps:
+            logs += np.log(np.maximum(one, _DARKEST))
+        return np.asarray(np.exp(logs / len(self.maps)), np.float32)
 
     def nearest(self, truth: Maps) -> Maps:
-        """The map with the least mean squared difference of logs, by solid angle."""
-        weights = row_solid_angles(truth.shape[0], truth.shape[1])[:, None, None]
-        wanted = np.log(np.maximum(truth, _DARKEST))
-        away = [float((weights * (one - wanted) ** 2).sum()) for one in self.logs]
-        return np.asarray(self.maps[int(np.argmin(away))])
+        """The map with the least difference of logs, see `distance`."""
+        return np.asarray(self.maps[int(np.argmin(self._distances(truth)))])
+
+    def distance(self, estimate: Maps) -> float:
+        """How far a map is from the nearest training map: see `log_distance`."""
+        return float(self._distances(estimate).min())
+
+    def _distances(self, wanted: Maps) -> NDArray[np.float64]:
+        flat = _coarse_logs(wanted)
+        products = (self._flat @ flat).astype(np.float64)
+        squares = self._squares - 2 * products + float((flat.astype(np.float64) ** 2).sum())
+        return np.sqrt(np.maximum(squares, 0))
+
+
+def log_distance(one: Maps, other: Maps) -> float:
+    """The root of the mean squared difference of logs (decades), by solid angle, at 16x16."""
+    return float(np.linalg.norm(_coarse_logs(one) - _coarse_logs(other)))
+
+
+def _coarse_logs(radiance: Maps) -> NDArray[np.float32]:
+    """Logs of a (64, 64, 3) map in 16x16 blocks, flat; differences have `log_distance` length."""
+    logs = np.log10(np.maximum(radiance, _DARKEST)).reshape(16, 4, 16, 4, 3).mean(axis=(1, 3))
+    weights = row_solid_angles(16, 16)[:, None, None] / (4 * np.pi * 3)
+    return np.asarray(logs * np.sqrt(weights), np.float32).reshape(-1)
 
 
 class MeanMap:
@@ -54,6 +80,7 @@ class MeanMap:
 
     def __init__(self, training: TrainingMaps) -> None:
         self._map = training.mean()
+        self.digest = f"1-{training.digest}"
 
     def predict(self, sample: StereoSample) -> Maps:
         """(64, 64, 3)."""
@@ -68,6 +95,7 @@ class RandomMap:
     def __init__(self, training: TrainingMaps, seed: int = 0) -> None:
         self._training = training
         self._seed = seed
+        self.digest = f"1-{training.digest}-{seed}"
 
     def predict(self, sample: StereoSample) -> Maps:
         """(64, 64, 3)."""
@@ -82,6 +110,7 @@ class NearestMap:
 
     def __init__(self, training: TrainingMaps) -> None:
         self._training = training
+        self.digest = f"1-{training.digest}"
 
     def predict(self, sample: StereoSample) -> Maps:
         """(64, 64, 3)."""
@@ -92,6 +121,7 @@ class AmbientColor:
     """One color everywhere: the mean of the left view, as ambient-light estimates of phones."""
 
     name = "ambient color"
+    digest = "1"
 
     def predict(self, sample: StereoSample) -> Maps:
         """(64, 64, 3)."""

@@ -14,7 +14,7 @@ from panokit.evaluate.lighting.baselines import (
 )
 from panokit.evaluate.lighting.inversion import ReflectanceInversion
 from panokit.evaluate.lighting.predictors import baselines
-from panokit.evaluate.lighting.scoring import DOMINANCE, ON_SPHERE, ON_TARGET, score_map
+from panokit.evaluate.lighting.scoring import DOMINANCE, FIGURES, score_map
 from panokit.metrics.lighting import light_vector_error_deg
 from panokit.sphere import resize_radiance
 
@@ -30,7 +30,7 @@ def test_every_baseline_gives_a_map_that_can_be_scored(samples, training):
         assert found.shape == (64, 64, 3)
         assert found.dtype == np.float32
         assert (found >= 0).all()
-        assert set(score_map(found, samples[4].truth)) == {*ON_TARGET, *ON_SPHERE, DOMINANCE}
+        assert set(score_map(found, samples[4].truth)) == {*FIGURES, DOMINANCE}
 
 
 def test_the_truth_itself_has_no_error(samples):

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from panokit.errors import UsageError
-from panokit.evaluate.lighting.baselines import AmbientColor, MeanMap, TrainingMaps
+from panokit.evaluate.lighting.baselines import (
+    AmbientColor,
+    MeanMap,
+    NearestMap,
+    TrainingMaps,
+)
 from panokit.evaluate.lighting.controls import CONTROLS
 from panokit.evaluate.lighting.run import (
     RESULTS,
@@ -73,9 +78,19 @@ def test_controls_change_the_second_view_alone(samples):
     assert all(np.array_equal(c.truth, sample.truth) for c in (one, other, stranger))
 
 
-def test_memory_is_told_from_sight():
-    rng = np.random.default_rng(0)
-    training = rng.lognormal(0, 1, (5, 64, 64, 3))
-    truths = rng.lognormal(0, 1, (4, 64, 64, 3))
-    assert memorization(training[:4], truths, training) == 1
-    assert memorization(truths * 1.01, truths, training) == 0
+def test_memory_is_told_from_sight(samples, tmp_path):
+    class Sees(AmbientColor):
+        name, digest = "sees", "1"
+
+        def predict(self, sample):
+            return sample.truth * np.float32(1.01)
+
+    training = TrainingMaps(s.truth for s in samples[:3])
+    judged = [Sees(), MeanMap(training), NearestMap(training)]
+    found = evaluate_lighting(judged, samples[3:], tmp_path, training=training)
+    share = memorization(found)
+    assert share["sees"] == 0
+    assert share["nearest map (oracle)"] == 1
+    assert {row.predictor for row in found if row.scores["memory-nearest"] < 1e-3} == {
+        "nearest map (oracle)"
+    }
