@@ -8,33 +8,18 @@ a fork.
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from typing import Any, Literal
 
+from panokit.engine.losses import Loss, OnLoss, Quarantine
 from panokit.engine.protocol import Item, Listener, Outcome, available_cores
 from panokit.engine.worker import kill_group, serve
-from panokit.errors import PanokitError, UsageError
+from panokit.errors import Rejection, UsageError
 
 _GOODBYE_S = 10.0
 # A process that starts imports much; on a busy machine that takes a while.
 _START_S = 120.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Loss:
-    """A worker that was lost with an item in hand.
-
-    Attributes:
-        reason: "died", or "silent": it was killed because nothing was heard of it for too long.
-        exit_code: Of the process; negative for a signal.
-        last_report: What its task reported last about this item, or None.
-    """
-
-    reason: Literal["died", "silent"]
-    exit_code: int | None
-    last_report: Any = None
 
 
 class LocalEngine:
@@ -47,9 +32,8 @@ class LocalEngine:
         silence_s: A worker that neither ends its item nor reports for so long is killed;
             it may take as long as it likes if not given.
         on_report: Gets what tasks report.
-        on_loss: Gets the item of a lost worker, and returns the item to run in its place: the
-            same to try again, or one that leaves out what is to blame. If not given, a lost
-            worker ends the run.
+        on_loss: Decides on the item of a lost worker, see `OnLoss`; a `Quarantine` for each run
+            if not given.
     """
 
     def __init__(
@@ -59,13 +43,13 @@ class LocalEngine:
         items_per_worker: int | None = None,
         silence_s: float | None = None,
         on_report: Listener | None = None,
-        on_loss: Callable[[Any, Loss], Any] | None = None,
+        on_loss: OnLoss | None = None,
     ) -> None:
         self.workers = available_cores() if workers is None else workers
         self._items_per_worker = items_per_worker
         self._silence_s = silence_s
         self._on_report = on_report
-        self._on_loss = on_loss or _end_the_run
+        self._on_loss = on_loss
         if self.workers < 1:
             raise UsageError("A local engine needs at least one worker.")
 
@@ -73,38 +57,62 @@ class LocalEngine:
         """The outcome of each item, as they are done.
 
         Raises:
-            PanokitError: If a worker dies and nothing else is agreed for that.
+            PanokitError: If a task raises it, or if workers are lost for no item's fault.
         """
-        queue, again = iter(items), deque[Item]()
-        crew: list[_Worker] = []
+        crew = _Crew(task, iter(items), self._on_loss or Quarantine(), self._on_report)
         try:
             while True:
-                while len(crew) < self.workers:
-                    item = again.popleft() if again else next(queue, None)
-                    if item is None:
-                        break
-                    worker = _Worker(task)
-                    crew.append(worker)
-                    worker.give(item)
-                busy = [worker for worker in crew if worker.item is not None]
+                crew.fill(self.workers, self._items_per_worker)
+                busy = [worker for worker in crew.workers if worker.item is not None]
                 if not busy:
                     break
+                outcomes: list[Outcome] = []
                 for worker in _ready(busy, self._silence_s):
-                    yield from self._hear(worker, again)
-                for worker in [worker for worker in crew if worker.item is None]:
-                    item = None
-                    if not worker.is_done(self._items_per_worker):
-                        item = again.popleft() if again else next(queue, None)
-                    if item is None:
-                        crew.remove(worker)
-                        worker.dismiss()
-                    else:
-                        worker.give(item)
+                    outcomes += crew.hear(worker, self._silence_s)
+                # First the next items, so that workers go on while the caller deals with these.
+                crew.fill(self.workers, self._items_per_worker)
+                yield from outcomes
         finally:
-            for worker in crew:
+            for worker in crew.workers:
                 worker.kill()
 
-    def _hear(self, worker: "_Worker", again: "deque[Any]") -> Iterator[Outcome]:
+    def close(self) -> None:
+        """Nothing is held between runs."""
+
+
+class _Crew:
+    """The workers of one run, and what is left for them to do."""
+
+    def __init__(
+        self,
+        task: Callable[[Any], Any],
+        queue: Iterator[Any],
+        on_loss: OnLoss,
+        on_report: Listener | None,
+    ) -> None:
+        self.workers: list[_Worker] = []
+        self._task, self._queue, self._again = task, queue, deque[Any]()
+        self._on_loss, self._on_report = on_loss, on_report
+        self._finished = 0
+
+    def fill(self, wanted: int, items_per_worker: int | None) -> None:
+        """Give an item to every worker that has none, and dismiss those who get no more."""
+        for worker in [worker for worker in self.workers if worker.item is None]:
+            item = None if worker.is_done(items_per_worker) else self._next()
+            if item is None:
+                self.workers.remove(worker)
+                worker.dismiss()
+            else:
+                worker.give(item)
+        while len(self.workers) < wanted:
+            item = self._next()
+            if item is None:
+                break
+            worker = _Worker(self._task)
+            self.workers.append(worker)
+            worker.give(item)
+
+    def hear(self, worker: "_Worker", silence_s: float | None) -> list[Outcome]:
         """Take in what a worker has sent, or find out that it is lost."""
         message = worker.next_message()
         while message is not None:
@@ -113,27 +121,37 @@ class LocalEngine:
                 raise value
             if word == "outcome":
                 worker.rest()
-                yield value
-                return
+                self._finished += 1
+                return [value]
             if word == "report":
                 worker.last_report = value
                 if self._on_report is not None:
                     self._on_report(value)
             message = worker.next_message()
-        if worker.is_gone or worker.patience_s(self._silence_s) <= 0:
-            reason: Literal["died", "silent"] = "died" if worker.is_gone else "silent"
-            worker.kill()
-            loss = Loss(reason=reason, exit_code=worker.exit_code, last_report=worker.last_report)
-            again.append(self._on_loss(worker.item, loss))
-            worker.rest()
-            worker.is_gone = True
+        if worker.is_gone or worker.patience_s(silence_s) <= 0:
+            return self._lose(worker)
+        return []
 
+    def _lose(self, worker: "_Worker") -> list[Outcome]:
+        reason: Literal["died", "silent"] = "died" if worker.is_gone else "silent"
+        worker.kill()
+        loss = Loss(
+            reason=reason,
+            exit_code=worker.exit_code,
+            last_report=worker.last_report,
+            has_begun=worker.is_ready,
+            finished=self._finished,
+        )
+        verdict = self._on_loss(worker.item, loss)
+        worker.rest()
+        worker.is_gone = True
+        if isinstance(verdict, Rejection):
+            return [verdict]
+        self._again.append(verdict)
+        return []
 
-def _end_the_run(item: Any, loss: Loss) -> Any:
-    raise PanokitError(
-        "A worker process died, most likely because memory ran out. What was done "
-        "is kept: run the same command again with fewer workers."
-    )
+    def _next(self) -> Any:
+        return self._again.popleft() if self._again else next(self._queue, None)
 
 
 class _Worker:
@@ -149,7 +167,7 @@ class _Worker:
         self.last_report: Any = None
         self.is_gone = False
         self._items = 0
-        self._is_ready = False
+        self.is_ready = False
         self._heard = time.monotonic()
 
     @property
@@ -186,14 +204,14 @@ class _Worker:
             self.is_gone = True
             return None
         self._heard = time.monotonic()
-        self._is_ready = True
+        self.is_ready = True
         return message
 
     def patience_s(self, silence_s: float | None) -> float:
         """How much longer the worker may be silent; while it starts, that is more."""
         if silence_s is None:
             return float("inf")
-        allowed = silence_s if self._is_ready else max(silence_s, _START_S)
+        allowed = silence_s if self.is_ready else max(silence_s, _START_S)
         return allowed - (time.monotonic() - self._heard)
 
     def rest(self) -> None:

@@ -22,6 +22,10 @@ class Engine(Protocol):
         """The outcome of each item, in the order in which they come."""
         ...
 
+    def close(self) -> None:
+        """Give back what is held between runs, such as a cluster's workers."""
+        ...
+
 
 class SerialEngine:
     """One item after the other in this process: nothing to set up, and a debugger works.
@@ -39,6 +43,9 @@ class SerialEngine:
             with reports_to(self._on_report):
                 outcome = task(item)
             yield outcome
+
+    def close(self) -> None:
+        """Nothing is held."""
 
 
 def report(value: Any) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from panokit.engine import LocalEngine, SerialEngine, attempt, make_engine, report
+from panokit.engine import LocalEngine, Quarantine, SerialEngine, attempt, make_engine, report
 from panokit.errors import ItemError, MissingExtraError, PanokitError, Rejection, UsageError
 from panokit.records import Receipt
 
@@ -61,9 +61,10 @@ def test_the_local_engine_uses_other_processes_and_bounds_what_is_in_flight():
     assert len(list(outcomes)) == 11
 
 
-def test_a_dead_worker_is_explained():
-    with pytest.raises(PanokitError, match="worker process died"):
-        list(LocalEngine(1).run(die, ["a"]))
+def test_items_that_end_their_workers_one_after_the_other_end_the_run():
+    quarantine = Quarantine(most_losses=1)
+    with pytest.raises(PanokitError, match="8 items in a row ended their workers, h the last"):
+        list(LocalEngine(1, on_loss=quarantine).run(die, "abcdefghi"))
 
 
 def die_once(path: Path) -> Receipt:
@@ -212,5 +213,5 @@ def test_workers_do_not_outlive_a_killed_run(tmp_path):
 def test_engines_by_name():
     assert isinstance(make_engine("serial"), SerialEngine)
     assert make_engine("local", 3).workers == 3
-    with pytest.raises(UsageError, match="serial or local"):
+    with pytest.raises(UsageError, match="choose serial, local, dask, slurm, or the address"):
         make_engine("ray")
