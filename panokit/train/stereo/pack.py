@@ -4,7 +4,9 @@ Decoding PNG and EXR for each step would take longer than the step. A pack is a 
 files that are mapped into memory, so several trainings share them.
 """
 
-from collections.abc import Mapping
+import shutil
+import tempfile
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,15 +14,18 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.dataset.storage.index import indexed_digest
 from panokit.dataset.storage.read import StereoDataset
 from panokit.errors import UsageError
-from panokit.io.files import read_json, write_json
+from panokit.io.files import read_json, storage_error, write_json
 from panokit.provenance import digest_of
 
 PICTURES = ("left", "right", "left_object", "right_object", "background")
 MAPS = ("env64", "reflectance")
 REFLECTANCE_PX = 64
 _SCHEMA = "panokit.pack/1"
+# Samples that are copied at a time.
+_BLOCK = 256
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -33,11 +38,13 @@ class Pack:
         arrays: "left", "right", "left_object", "right_object", "background": (N, S, S, 3) uint8;
             "env64", "reflectance": (N, 64, 64, 3) float32; "normal": (N, S, S, 3) float16;
             "part": (N, S, S) uint8, the material's number plus one on the object.
+        digest: Of where it was made from.
     """
 
     keys: NDArray[np.str_]
     places: NDArray[np.str_]
     arrays: Mapping[str, NDArray[np.generic]]
+    digest: str = ""
 
     def __len__(self) -> int:
         return len(self.keys)
@@ -67,15 +74,69 @@ def open_pack(dataset: Path, split: str, input_px: int, work: Path, limit: int =
     count = min(limit, len(source)) if limit else len(source)
     if count == 0:
         raise UsageError(f"{dataset} has no samples for {split}. Render more of them.")
-    name = digest_of([_SCHEMA, source.keys[:count].tolist(), str(dataset.resolve()), input_px])
+    # By what the shards hold: a dataset that was rendered anew has the same keys.
+    name = digest_of([_SCHEMA, source.keys[:count].tolist(), indexed_digest(dataset), input_px])
     folder = work / "packs" / f"{split}-{name[:12]}"
+    if not folder.is_dir():
+        _make(folder, source, count, input_px)
+    return _read(folder)
+
+
+def _make(folder: Path, source: StereoDataset, count: int, size: int) -> None:
+    """Write a pack that is there at once, whole, for all who wait or write it too."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    try:
+        _write(unfinished, source, count, size)
+        unfinished.chmod(0o755)
+        _put(unfinished, folder)
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def _put(finished: Path, folder: Path) -> None:
+    try:
+        finished.rename(folder)
+    except OSError as error:
+        # Another process may have been faster with the same pack.
+        if not folder.is_dir():
+            raise storage_error("write", folder, error) from error
+
+
+def join_packs(parts: Sequence[tuple[Pack, NDArray[np.int64]]], work: Path) -> Pack:
+    """One pack of chosen samples of several, made if it is not there.
+
+    Args:
+        parts: Packs of one size, each with the numbers of its samples that are taken.
+        work: Where packs are kept.
+
+    Raises:
+        UsageError: If nothing is taken.
+    """
+    count = sum(len(chosen) for _, chosen in parts)
+    if count == 0:
+        raise UsageError("None of the recipe's sources has a training sample. Look at its places.")
+    name = digest_of([_SCHEMA, [[pack.digest, chosen.tolist()] for pack, chosen in parts]])
+    folder = work / "packs" / f"joined-{name[:12]}"
     if not (folder / "pack.json").is_file():
-        _write(folder, source, count, input_px)
+        folder.mkdir(parents=True, exist_ok=True)
+        for array, like in parts[0][0].arrays.items():
+            target = np.lib.format.open_memmap(
+                folder / f"{array}.npy", mode="w+", dtype=like.dtype, shape=(count, *like.shape[1:])
+            )
+            first = 0
+            for pack, chosen in parts:
+                for block in np.array_split(chosen, max(1, len(chosen) // _BLOCK)):
+                    target[first : first + len(block)] = pack.arrays[array][block]
+                    first += len(block)
+            target.flush()
+        keys = [str(pack.keys[number]) for pack, chosen in parts for number in chosen]
+        places = [str(pack.places[number]) for pack, chosen in parts for number in chosen]
+        _record(folder, keys, places, parts[0][0].arrays)
     return _read(folder)
 
 
 def _write(folder: Path, source: StereoDataset, count: int, size: int) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
     shapes: dict[str, tuple[tuple[int, ...], type]] = {
         **dict.fromkeys(PICTURES, ((size, size, 3), np.uint8)),
         **dict.fromkeys(MAPS, ((REFLECTANCE_PX, REFLECTANCE_PX, 3), np.float32)),
@@ -101,6 +162,13 @@ def _write(folder: Path, source: StereoDataset, count: int, size: int) -> None:
         places.append(files["meta"]["probe"]["place"])
     for array in arrays.values():
         array.flush()
+    _record(folder, keys, places, arrays)
+
+
+def _record(
+    folder: Path, keys: list[str], places: list[str], arrays: Mapping[str, NDArray[np.generic]]
+) -> None:
+    """What says that a pack is complete; written last."""
     record = {"schema": _SCHEMA, "keys": keys, "places": places, "arrays": sorted(arrays)}
     write_json(folder / "pack.json", record)
 
@@ -111,6 +179,7 @@ def _read(folder: Path) -> Pack:
         keys=np.array(record["keys"]),
         places=np.array(record["places"]),
         arrays={name: np.load(folder / f"{name}.npy", mmap_mode="r") for name in record["arrays"]},
+        digest=folder.name,
     )
 
 

@@ -85,6 +85,19 @@ class ScheduleRecipe(Settings):
     """Whether pairs are mirrored at random: left and right change places and sides."""
 
 
+class SourceRecipe(Settings):
+    """A part of the training samples."""
+
+    data: str = "."
+    """The dataset's folder, seen from that of `--data`."""
+
+    places: tuple[str, ...] = ()
+    """Only samples whose light is from these places; all if empty."""
+
+    samples: int = Field(default=0, ge=0)
+    """Only so many, the first ones; all if 0."""
+
+
 class LightingRecipe(Settings):
     """A model that reads light, from data to release."""
 
@@ -118,6 +131,9 @@ class LightingRecipe(Settings):
 
     samples: int = Field(default=0, ge=0)
     """How many training samples are used; all if 0."""
+
+    sources: tuple[SourceRecipe, ...] = ()
+    """Where training samples are from, if not all from `--data`; `samples` then does not count."""
 
     seed: int = Field(default=0, ge=0)
     """Of weights and batches."""

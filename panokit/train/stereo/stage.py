@@ -1,26 +1,31 @@
 """`panokit train` for lighting: a recipe and a dataset in, a model out; or a suite of them."""
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import torch
 from torch import nn
 
-from panokit.engine import Engine, LocalEngine
-from panokit.errors import UsageError
+from panokit.dataset.storage.index import indexed_digest
+from panokit.engine import Engine, LocalEngine, Outcome
+from panokit.errors import ModelError, Rejection, UsageError
 from panokit.io.files import read_json, write_json
+from panokit.provenance import digest_of
 from panokit.records import Receipt
 from panokit.train.history import FILE as HISTORY
 from panokit.train.stereo.loop import has_converged, train_lighting
-from panokit.train.stereo.pack import Pack, open_pack
+from panokit.train.stereo.pack import Pack, join_packs, open_pack
 from panokit.train.stereo.recipe import LightingRecipe, read_lighting_recipe
 from panokit.train.stereo.release import release_lighting
 from panokit.train.stereo.sizes import at_size, read_size
 from panokit.train.team import ALONE, Team
 
 SUMMARY = "training.json"
+STAGE = "train"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,6 +46,16 @@ class Training:
     work: Path
     folder: Path
 
+    @property
+    def item(self) -> str:
+        """What engines call it."""
+        return self.recipe.id
+
+    @property
+    def stage(self) -> str:
+        """What engines say is done."""
+        return STAGE
+
 
 def plan_suite(
     recipes: Sequence[Path], size: str, dataset: Path, work: Path, out: Path
@@ -55,7 +70,7 @@ def plan_suite(
         out: Gets a folder for each model.
 
     Raises:
-        UsageError: If a folder holds no recipe.
+        UsageError: If a folder holds no recipe, or two recipes have one id.
     """
     files: list[Path] = []
     for recipe in recipes:
@@ -63,9 +78,13 @@ def plan_suite(
         if not found:
             raise UsageError(f"There are no recipes in {recipe}.")
         files += found
+    ids = {file: read_lighting_recipe(file).id for file in files}
+    if len(set(ids.values())) < len(files):
+        twice = next(one for one, count in Counter(ids.values()).items() if count > 1)
+        raise UsageError(f"Two recipes are called {twice!r}. Give one of them another id.")
     return [
         Training(
-            experiment=read_lighting_recipe(file).id,
+            experiment=ids[file],
             recipe=(made := at_size(file, size, seed)),
             dataset=dataset,
             work=work,
@@ -76,7 +95,7 @@ def plan_suite(
     ]
 
 
-def train_suite(trainings: Sequence[Training], engine: Engine | None = None) -> list[Receipt]:
+def train_suite(trainings: Sequence[Training], engine: Engine | None = None) -> list[Outcome]:
     """Train them all, several at a time; those that are done are left as they are.
 
     A network of this size gains little from a second core, so each has one.
@@ -84,24 +103,69 @@ def train_suite(trainings: Sequence[Training], engine: Engine | None = None) -> 
     Args:
         trainings: See `plan_suite`.
         engine: That runs them; one network per core if not given.
+
+    Returns:
+        A receipt for each network, or a rejection that says why there is none.
     """
-    for dataset, size, work, limit in {
-        (t.dataset, t.recipe.network.input_px, t.work, t.recipe.samples) for t in trainings
-    }:
-        # Before the workers come, which would make the same packs side by side.
-        _packs(dataset, size, work, limit)
-    outcomes = (engine or LocalEngine()).run(train_one, trainings)
-    return [outcome for outcome in outcomes if isinstance(outcome, Receipt)]
+    # Before the workers come, which would make the same packs side by side.
+    for training in trainings:
+        open_packs(training.recipe, training.dataset, training.work)
+    return list((engine or LocalEngine()).run(train_one, trainings))
 
 
-def train_one(training: Training) -> Receipt:
-    """Train one network of a suite, if that is not done yet."""
-    recipe, folder = training.recipe, training.folder
-    done = folder / SUMMARY
-    fresh = not (done.is_file() and read_json(done).get("recipe") == recipe.digest)
-    if fresh:
-        train_model(recipe, training.dataset, training.work, folder, experiment=training.experiment)
-    return Receipt(item=recipe.id, stage="train", path=folder, key=recipe.digest, fresh=fresh)
+def train_one(training: Training) -> Outcome:
+    """Train one network of a suite, if that is not done yet.
+
+    What goes wrong with it does not end the suite: other networks may do better.
+    """
+    recipe = training.recipe
+    try:
+        fresh = not _is_done(training)
+        if fresh:
+            train_model(
+                recipe, training.dataset, training.work, training.folder,
+                experiment=training.experiment,
+            )  # fmt: skip
+    except ModelError as error:
+        return Rejection(item=recipe.id, stage=STAGE, reason="no-model", message=str(error))
+    return _receipt(training, fresh)
+
+
+def train_together(trainings: Sequence[Training], team: Team) -> list[Outcome]:
+    """Train one network after the other, each by the whole team: for graphics processors.
+
+    Raises:
+        ModelError: If a network diverges.
+    """
+    receipts: list[Outcome] = []
+    for training in trainings:
+        fresh = not _is_done(training)
+        # Nobody may begin and write what others have not looked for yet.
+        team.wait()
+        if fresh:
+            train_model(
+                training.recipe, training.dataset, training.work, training.folder,
+                team=team, experiment=training.experiment,
+            )  # fmt: skip
+        receipts.append(_receipt(training, fresh))
+    return receipts
+
+
+def _is_done(training: Training) -> bool:
+    """Whether the model is there, made by this recipe from this dataset."""
+    path = training.folder / SUMMARY
+    if not path.is_file():
+        return False
+    record, dataset = read_json(path), indexed_digest(training.dataset)
+    made_by, made_from = record.get("recipe"), record.get("dataset", dataset)
+    return bool(made_by == training.recipe.digest and made_from == dataset)
+
+
+def _receipt(training: Training, fresh: bool) -> Receipt:
+    recipe = training.recipe
+    return Receipt(
+        item=recipe.id, stage=STAGE, path=training.folder, key=recipe.digest, fresh=fresh
+    )
 
 
 def train_model(
@@ -123,25 +187,37 @@ def train_model(
         team: That trains it; its first process writes.
         experiment: What the recipe is called without size and seed.
     """
-    size = recipe.network.input_px
     if team.leads:
-        _packs(dataset, size, work, recipe.samples)
+        open_packs(recipe, dataset, work)
     team.wait()
-    training, validation = _packs(dataset, size, work, recipe.samples)
-    place = work / "lighting" / f"{recipe.id}-{recipe.digest[:12]}"
+    training, validation = open_packs(recipe, dataset, work)
+    source = indexed_digest(dataset)
+    place = work / "lighting" / f"{recipe.id}-{digest_of([recipe.digest, source])[:12]}"
     network = train_lighting(recipe, training, validation, place, team=team)
     if team.leads:
         release_lighting(recipe, network, folder)
-        summary = _summary(recipe, place, training, network)
-        write_json(folder / SUMMARY, {"experiment": experiment or recipe.id, **summary})
+        origin = {"experiment": experiment or recipe.id, "dataset": source}
+        write_json(folder / SUMMARY, origin | _summary(recipe, place, training, network))
     team.wait()
 
 
-def _packs(dataset: Path, size: int, work: Path, limit: int) -> tuple[Pack, Pack]:
-    return (
-        open_pack(dataset, "train", size, work, limit),
-        open_pack(dataset, "validation", size, work),
-    )
+def open_packs(recipe: LightingRecipe, dataset: Path, work: Path) -> tuple[Pack, Pack]:
+    """What a recipe learns from and what it is validated on; made if they are not there.
+
+    Raises:
+        UsageError: If a split is empty, or no sample is from the recipe's sources.
+    """
+    size = recipe.network.input_px
+    validation = open_pack(dataset, "validation", size, work)
+    if not recipe.sources:
+        return open_pack(dataset, "train", size, work, recipe.samples), validation
+    parts = []
+    for source in recipe.sources:
+        pack = open_pack((dataset / source.data).resolve(), "train", size, work)
+        usable = np.isin(pack.places, source.places) if source.places else np.full(len(pack), True)
+        chosen = np.flatnonzero(usable)
+        parts.append((pack, chosen[: source.samples] if source.samples else chosen))
+    return join_packs(parts, work), validation
 
 
 def _summary(
