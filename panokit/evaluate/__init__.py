@@ -9,6 +9,7 @@ expansion         all methods on all pictures
 figures           from scores to lines of the table
 pairs             two methods on the same pictures
 expansion_report  the table, as JSON and Markdown
+calibration       how sure a model that reads light may be
 settings          of `panokit evaluate expansion`
 """
 

@@ -217,6 +217,37 @@ _WRITERS: dict[str, Callable[[_Job], tuple[str, ...]]] = {
 }
 
 
+def export_map(
+    envmap: EnvironmentMap,
+    name: str,
+    out: Path,
+    settings: ExportSettings,
+    *,
+    sun: AnalyticSun | None = None,
+) -> tuple[str, ...]:
+    """Write one map that is in no library for another tool, without credits or a list.
+
+    Args:
+        envmap: The map; without its sun, if that is given.
+        name: Of the files, without an ending.
+        out: The folder.
+        settings: For which tool; "parquet" is for libraries only.
+        sun: A light of its own beside the map.
+
+    Returns:
+        Names in the folder; the first is the one to open.
+
+    Raises:
+        UsageError: If the tool takes no single map.
+        StorageError: If the folder cannot be written.
+    """
+    if settings.to not in _WRITERS:
+        raise UsageError(f"{settings.to!r} is a table of a library, not a form of one map.")
+    return _WRITERS[settings.to](
+        _Job(envmap=envmap, sun=sun, name=name, out=out, settings=settings)
+    )
+
+
 def _names(library: Library, ids: Sequence[str]) -> dict[str, str]:
     """Id -> a name for files: the probe's where it is free, else with digits of the id."""
     names: dict[str, str] = {}

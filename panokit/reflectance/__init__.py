@@ -6,6 +6,12 @@ materials  pixels of one material, by k-means
 normals    noise on normals; normals from depth
 stereo     depth and normals from two views, by block matching
 primitives normals of a rough shape that a user picks
+
+and networks that read light from two views, with what their answers are worth:
+
+light_network  what a network is given, and what it gives
+mirroring      the views in a mirror: two answers, and how far they are apart
+calibration    from how far they are apart to how wrong one is
 """
 
 from typing import TYPE_CHECKING
