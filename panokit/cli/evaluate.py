@@ -74,7 +74,7 @@ def figures(results: Path, /, *, json: Json = False) -> int:
     results
         The folder that `panokit evaluate --out` wrote.
     """
-    from panokit.evaluate.lighting.pack import write_pack
+    from panokit.evaluate.lighting.lighting_report import write_pack
 
     console = Console(as_json=json)
     with console.stage("figures", None) as tick:

@@ -67,7 +67,7 @@ class Kept:
         data = _packed(np.clip(radiance, 0, _HALF_MAX), np.float16)
         write_bytes(self._predictions / digest[:16] / f"{key}.npy", data)
 
-    def keys(self) -> list[str]:
+    def sample_keys(self) -> list[str]:
         """Of the kept samples, in order."""
         return sorted(path.parent.name for path in self._samples.glob("*/truth.npy"))
 
@@ -92,7 +92,7 @@ class Kept:
 
     def predictions(self, digest: str) -> Iterator[tuple[str, NDArray[np.float32]]]:
         """All kept predictions of a model, by key."""
-        for key in self.keys():
+        for key in self.sample_keys():
             found = self.prediction(digest, key)
             if found is not None:
                 yield key, found

@@ -90,7 +90,7 @@ def compare(
     )
     places = np.unique([place_of[key] for key in keys], return_inverse=True)[1]
     difference = one - other
-    low, high = _interval(difference, places)
+    low, high = place_interval(difference, places)
     scale = float(other.mean())
     return Comparison(
         n=len(keys),
@@ -115,12 +115,27 @@ def _verdict(low: float, high: float, expected: Expected, margin: float) -> Verd
     return Verdict.NOT_REPRODUCED if low > 0 else Verdict.UNDECIDED
 
 
-def _interval(difference: NDArray[np.float64], places: NDArray[np.int64]) -> tuple[float, float]:
-    """The 95 % interval of the mean, by drawing places anew."""
-    count = int(places.max()) + 1
-    sums = np.bincount(places, weights=difference, minlength=count)
-    sizes = np.bincount(places, minlength=count)
-    drawn = np.random.default_rng(0).integers(count, size=(_RESAMPLES, count))
-    means = sums[drawn].sum(axis=1) / sizes[drawn].sum(axis=1)
+def place_interval(values: NDArray[np.float64], places: NDArray[np.int64]) -> tuple[float, float]:
+    """The 95 % interval of the mean, by drawing places anew.
+
+    Args:
+        values: (N,), one for each sample.
+        places: (N,), the number of each sample's place, from 0.
+    """
+    means = resampled_means(values[None], places)[0]
     low, high = np.percentile(means, [2.5, 97.5])
     return float(low), float(high)
+
+
+def resampled_means(values: NDArray[np.float64], places: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Means of several scores over the same draws of places, (scores, draws).
+
+    Args:
+        values: (scores, N).
+        places: (N,), the number of each sample's place, from 0.
+    """
+    count = int(places.max()) + 1
+    sums = np.stack([np.bincount(places, weights=row, minlength=count) for row in values])
+    sizes = np.bincount(places, minlength=count)
+    drawn = np.random.default_rng(0).integers(count, size=(_RESAMPLES, count))
+    return np.asarray(sums[:, drawn].sum(axis=-1) / sizes[drawn].sum(axis=-1))
