@@ -7,7 +7,7 @@ run that was killed at any moment goes on where it stopped.
 
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -48,6 +48,7 @@ class Receipt:
         key: What it was made from and with.
         fresh: Whether it was made now, not found complete.
         seconds: How long that took.
+        cpu_s: Processor time that it took.
         values: Figures of the step worth showing.
     """
 
@@ -57,6 +58,7 @@ class Receipt:
     key: str
     fresh: bool = True
     seconds: float = 0.0
+    cpu_s: float = 0.0
     values: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -116,9 +118,24 @@ class RunFolder:
         return self.root / "qa"
 
     @property
+    def references(self) -> Path:
+        """Maps of true range, if they were made for the run."""
+        return self.root / "references"
+
+    @property
+    def models(self) -> Path:
+        """Datasets, models and their scores: one folder for each stage that makes them."""
+        return self.root / "models"
+
+    @property
     def ledger(self) -> Path:
-        """Verdicts that a later run need not reach again."""
+        """What is done and what was rejected, as a database; see `panokit.ledger`."""
         return self.root / "ledger.sqlite"
+
+    @property
+    def log_file(self) -> Path:
+        """What happened when."""
+        return self.root / "log.jsonl"
 
     @property
     def is_run(self) -> bool:
@@ -152,10 +169,37 @@ class RunFolder:
         """Append a line to log.jsonl: the only file that knows the clock."""
         line = {"time": round(time.time(), 3), "event": event, **values}
         try:
-            with (self.root / "log.jsonl").open("a", encoding="utf-8") as file:
+            with self.log_file.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(line, ensure_ascii=False, default=str) + "\n")
         except OSError as error:
-            raise storage_error("write", self.root / "log.jsonl", error) from error
+            raise storage_error("write", self.log_file, error) from error
+
+    def mend_log(self) -> None:
+        """End a last line of log.jsonl that a kill or a full disk had cut off."""
+        try:
+            with self.log_file.open("rb+") as file:
+                if file.seek(0, 2) and file.seek(-1, 2) >= 0 and file.read(1) != b"\n":
+                    file.write(b"\n")
+        except FileNotFoundError:
+            return
+        except OSError as error:
+            raise storage_error("write", self.log_file, error) from error
+
+    def events(self) -> Iterator[dict[str, Any]]:
+        """The lines of log.jsonl in order; one that was cut off is left out."""
+        try:
+            with self.log_file.open(encoding="utf-8", errors="replace") as file:
+                for line in file:
+                    try:
+                        event = json.loads(line)
+                    except ValueError:
+                        continue
+                    if isinstance(event, dict):
+                        yield event
+        except FileNotFoundError:
+            return
+        except OSError as error:
+            raise storage_error("read", self.log_file, error) from error
 
     def remove_leftovers(self) -> int:
         """Delete the temporary files that a killed run left; returns how many there were."""

@@ -86,6 +86,9 @@ class Selection:
             return "known"
         if not (capture.license.store or provider.may_store):
             return "no-license"
+        wanted = {id.casefold() for id in self._settings.licenses}
+        if wanted and capture.license.id.casefold() not in wanted:
+            return "other-license"
         return "" if self._place is None else self._misfit(found, self._place)
 
     def _misfit(self, found: Found, place: Place) -> str:

@@ -151,6 +151,9 @@ class FetchSettings(Settings):
     date_to: Annotated[date | None, Parameter(group=_WHICH)] = None
     """Only pictures taken on this day or earlier."""
 
+    licenses: Annotated[tuple[str, ...], Parameter(group=_WHICH)] = ()
+    """Only pictures under one of these licenses, as SPDX ids ("CC-BY-4.0"); any if not given."""
+
     width_px: Annotated[int, Parameter(group=_SIZE)] = Field(default=4096, ge=256)
     """The least width wanted; tile services send the first zoom that has it."""
 

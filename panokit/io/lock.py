@@ -1,6 +1,7 @@
 """One process at a time in a folder."""
 
 import os
+import socket
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -39,7 +40,7 @@ def only_process(folder: Path, name: str, doing: str) -> Iterator[None]:
         except BlockingIOError:
             os.close(descriptor)
             raise UsageError(
-                f"Another process is {doing} {folder}. Wait for it, or choose another --out."
+                f"{_named(path)} is {doing} {folder}. Wait for it, or choose another --out."
             ) from None
         except OSError:
             pass  # a file system without locks
@@ -48,9 +49,42 @@ def only_process(folder: Path, name: str, doing: str) -> Iterator[None]:
             if path.stat().st_ino == os.fstat(descriptor).st_ino:
                 break
         os.close(descriptor)
+    _introduce(descriptor)
     try:
         yield
     finally:
         with suppress(OSError):
             path.unlink()
         os.close(descriptor)
+
+
+def holder_of(folder: Path, name: str) -> str:
+    """Who holds a folder, as "process 12 on host-a"; "" if nobody does.
+
+    A process of this machine that is gone holds nothing; of other machines nobody can tell.
+    """
+    try:
+        told = (folder / name).read_text(encoding="utf-8")
+        pid, host = told.split()
+    except (OSError, ValueError):
+        return ""
+    if host == socket.gethostname():
+        try:
+            os.kill(int(pid), 0)
+        except PermissionError:
+            pass  # it is there, and somebody else's
+        except (OSError, ValueError):
+            return ""
+    return f"process {pid} on {host}"
+
+
+def _introduce(descriptor: int) -> None:
+    """Write into the lock's file who holds it; the lock itself does not depend on that."""
+    with suppress(OSError):
+        os.ftruncate(descriptor, 0)
+        os.write(descriptor, f"{os.getpid()} {socket.gethostname()}\n".encode())
+
+
+def _named(path: Path) -> str:
+    holder = holder_of(path.parent, path.name)
+    return f"Another process ({holder.removeprefix('process ')})" if holder else "Another process"

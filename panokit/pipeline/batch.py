@@ -1,12 +1,13 @@
 """Many items through one stage: skip what is complete, keep verdicts, show progress."""
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from panokit.console import Console
 from panokit.engine import Engine, Outcome, SerialEngine, attempt
 from panokit.errors import Rejection
-from panokit.ledger import Ledger
+from panokit.ledger import Ledger, Pace
 from panokit.pipeline.tasks import StageTask, run_task
 from panokit.records import Receipt, RunFolder, is_complete
 
@@ -70,12 +71,20 @@ def run_batch(
             waiting.append(task)
         else:
             outcomes[task.item] = known
-    with console.stage(stage, len(waiting)) as tick:
+    started, fresh = time.monotonic(), 0
+    if waiting and ledger is not None:
+        ledger.set_pace(stage, Pace(wanted=len(waiting), fresh=0, seconds=0.0))
+    with console.stage(stage, len(waiting), unit="panoramas") as tick:
         for outcome in (engine or SerialEngine()).run(run_task, waiting):
+            if outcome.item in outcomes:
+                continue  # an engine that lost sight of a worker had it done twice
             outcomes[outcome.item] = outcome
-            rejected = isinstance(outcome, Rejection)
-            _remember(outcome, keys[outcome.item], ledger, run)
-            tick(rejected=rejected)
+            fresh += 1
+            if run is not None and ledger is not None:
+                _remember(outcome, keys[outcome.item], ledger, run)
+                seconds = time.monotonic() - started
+                ledger.set_pace(stage, Pace(wanted=len(waiting), fresh=fresh, seconds=seconds))
+            tick(rejected=isinstance(outcome, Rejection))
             if isinstance(outcome, Rejection):
                 console.note(f"{stage}: {outcome.item} rejected ({outcome.reason}): "
                              f"{outcome.message}")  # fmt: skip
@@ -103,18 +112,18 @@ def _known(task: StageTask, ledger: Ledger | None, keys: dict[str, str]) -> Outc
     return ledger.find(task.item, task.stage, outcome.key) if ledger else None
 
 
-def _remember(outcome: Outcome, key: str, ledger: Ledger | None, run: RunFolder | None) -> None:
-    if run is None or ledger is None:
-        return
+def _remember(outcome: Outcome, key: str, ledger: Ledger, run: RunFolder) -> None:
     if isinstance(outcome, Rejection):
+        run.log("rejected", key=key, **outcome.to_json())
         ledger.add(outcome, key)
-        run.log("rejected", **outcome.to_json())
-    else:
-        ledger.remove(outcome.item, outcome.stage)
-        run.log(
-            "done",
-            stage=outcome.stage,
-            item=outcome.item,
-            seconds=round(outcome.seconds, 3),
-            values=dict(outcome.values),
-        )
+        return
+    run.log(
+        "done",
+        stage=outcome.stage,
+        item=outcome.item,
+        key=outcome.key,
+        seconds=round(outcome.seconds, 3),
+        cpu_s=round(outcome.cpu_s, 3),
+        values=dict(outcome.values),
+    )
+    ledger.add_done(outcome)

@@ -1,6 +1,9 @@
 """The fetch stage of a run: progress, ledger, and a record that it is finished."""
 
-from typing import Any
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
+from typing import Any, Protocol, TypeVar
 from urllib.parse import urlsplit
 
 from panokit.console import Console
@@ -10,30 +13,63 @@ from panokit.fetch.result import PERMANENT_REASONS
 from panokit.fetch.settings import VERSION
 from panokit.fetch.store import stored_captures
 from panokit.fetch.where import total_wanted
+from panokit.http import Budget, Client, Policy
 from panokit.io.attribution import write_attribution
 from panokit.io.captures import RECORD, StoredCapture, read_capture
 from panokit.io.files import read_json, sha256_of_file, write_json
 from panokit.ledger import Ledger
 from panokit.pipeline.batch import BatchResult
+from panokit.pipeline.settings import QuotaSettings
 from panokit.provenance import digest_of
 from panokit.records import Receipt, RunFolder, stage_key
 
 SCHEMA = "panokit.fetch/1"
 _RECORD = "fetch.json"
+_Amount = TypeVar("_Amount", int, float)
 _LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 
-def fetch_batch(settings: FetchSettings, run: RunFolder, console: Console) -> BatchResult:
+class Prepare(Protocol):
+    """Gets ready to fetch, such as by starting a server: a block within which to fetch."""
+
+    def __call__(
+        self, asks: Sequence[FetchSettings]
+    ) -> AbstractContextManager[Sequence[FetchSettings]]:
+        """What to fetch in the block."""
+        ...
+
+
+def fetch_batch(
+    asks: FetchSettings | Sequence[FetchSettings],
+    run: RunFolder,
+    console: Console,
+    *,
+    quota: QuotaSettings | None = None,
+    prepare: Prepare | None = None,
+) -> BatchResult:
     """Fetch what the settings ask for, unless an earlier run finished doing so.
 
     A folder is always looked at again: it costs nothing, and may hold more by now.
+
+    Args:
+        asks: What to fetch: one after the other, within one quota.
+        run: Where to.
+        console: Says how it goes.
+        quota: How much all of them together may spend.
+        prepare: Is entered only if there is something to fetch.
+
+    Raises:
+        QuotaError: If the quota is used up; what was fetched is kept.
     """
-    key = _key(settings)
-    finished = None if settings.source == "folder" else _finished(run, key)
+    asks = (asks,) if isinstance(asks, FetchSettings) else tuple(asks)
+    key = _key(asks)
+    is_folder = any(ask.source == "folder" for ask in asks)
+    finished = None if is_folder else _finished(run, key)
     if finished is not None:
         return finished
-    result = fetch_into(settings, run, console)
-    if not settings.dry_run and _is_final(result):
+    with (prepare or nullcontext)(asks) as ready:
+        result = _fetch_all(ready, run, console, quota or QuotaSettings())
+    if not any(ask.dry_run for ask in asks) and _is_final(result):
         write_json(
             run.root / _RECORD,
             {
@@ -51,33 +87,80 @@ def fetch_batch(settings: FetchSettings, run: RunFolder, console: Console) -> Ba
     )
 
 
+def recorded_captures(run: RunFolder) -> list[str] | None:
+    """The keys of the captures that a finished fetch stage has, None if none is finished."""
+    try:
+        record: dict[str, Any] = read_json(run.root / _RECORD)
+        return list(record["captures"])
+    except (RecordError, KeyError, TypeError):
+        return None
+
+
 def forget_rejections(run: RunFolder) -> None:
     """Let the next fetch ask again for what could not be had."""
     Ledger(run.ledger).clear()
+    run.log("forget-rejections")
     (run.root / _RECORD).unlink(missing_ok=True)
 
 
-def fetch_into(settings: FetchSettings, run: RunFolder, console: Console) -> FetchResult:
+def _fetch_all(
+    asks: Sequence[FetchSettings], run: RunFolder, console: Console, quota: QuotaSettings
+) -> FetchResult:
+    """All asks, one after the other; each is held to its own budget and all to the quota."""
+    whole = FetchResult()
+    spent_requests, spent_usd = 0, 0.0
+    for ask in asks:
+        budget = Budget(
+            _least(ask.max_requests, quota.max_requests, spent_requests),
+            _least(ask.max_cost_usd, quota.max_cost_usd, spent_usd),
+        )
+        policy = Policy(rate_per_s=ask.requests_per_s, burst=ask.concurrency)
+        with Client(policy, budget=budget) as client:
+            found = fetch_into(ask, run, console, client=client)
+        spent_requests += budget.requests
+        spent_usd += budget.cost_usd
+        whole = replace(
+            whole,
+            stored=(*whole.stored, *found.stored),
+            existing=(*whole.existing, *found.existing),
+            rejections=(*whole.rejections, *found.rejections),
+        )
+    return whole
+
+
+def _least(own: _Amount | None, quota: _Amount | None, spent: _Amount) -> _Amount | None:
+    limits = [own, None if quota is None else max(quota - spent, 0)]
+    return min((limit for limit in limits if limit is not None), default=None)
+
+
+def fetch_into(
+    settings: FetchSettings, run: RunFolder, console: Console, *, client: Client | None = None
+) -> FetchResult:
     """Fetch into a run folder, with progress, log and ledger."""
     ledger = Ledger(run.ledger)
     known = {r.item for r in ledger.rejections("fetch") if r.reason in PERMANENT_REASONS}
     total = total_wanted(settings)
-    with console.stage("fetch", total) as tick:
+    with console.stage("fetch", total, unit="panoramas") as tick:
+        # In a place another picture is taken for one that cannot be had; named ones are not.
+        is_replaced = False
 
         def report(event: FetchEvent) -> None:
+            nonlocal is_replaced
             if event.kind == "place":
+                is_replaced = event.wanted > 0
                 for _ in range(min(event.done, event.wanted or event.done)):
                     tick()
-            if event.kind in ("stored", "rejected"):
+            if event.kind == "stored" or (event.kind == "rejected" and not is_replaced):
                 tick(rejected=event.kind == "rejected")
             if event.kind in ("rejected", "short"):
                 console.note(f"fetch: {event.item}: {event.message}")
             if event.verdict is not None and not settings.dry_run:
                 ledger.add(event.verdict)  # at once: the run may be killed before its end
+                run.log("rejected", **event.verdict.to_json())
             if not settings.dry_run:
                 run.log(f"fetch-{event.kind}", item=event.item, message=event.message)
 
-        result = fetch(settings, run.root, report=report, known=known)
+        result = fetch(settings, run.root, client=client, report=report, known=known)
     if not settings.dry_run:
         captures = stored_captures(run.captures).values()
         if captures:
@@ -97,8 +180,13 @@ def _all(result: FetchResult) -> list[StoredCapture]:
     return [stored[key] for key in sorted(stored)]
 
 
-def _key(settings: FetchSettings) -> str:
+def _key(asks: Sequence[FetchSettings]) -> str:
     """What decides which pictures are fetched; a local look-alike may move to another port."""
+    asked = [_asked(ask) for ask in asks]
+    return stage_key("fetch", VERSION, digest_of(asked[0] if len(asked) == 1 else asked), [])
+
+
+def _asked(settings: FetchSettings) -> dict[str, Any]:
     pace = {"concurrency", "requests_per_s", "max_requests", "max_cost_usd", "prices"}
     asked = settings.model_dump(mode="json", exclude=pace)
     if urlsplit(settings.endpoint).hostname in _LOOPBACK:
@@ -107,7 +195,7 @@ def _key(settings: FetchSettings) -> str:
     for name in ("city_list", "area_file", "picture_list"):
         path = getattr(settings, name)
         asked[name] = path and sha256_of_file(path)
-    return stage_key("fetch", VERSION, digest_of(asked), [])
+    return asked
 
 
 def _finished(run: RunFolder, key: str) -> BatchResult | None:

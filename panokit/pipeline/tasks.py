@@ -86,7 +86,7 @@ def run_task(task: StageTask) -> Outcome:
 
 
 def _run(task: StageTask) -> Receipt:
-    started = time.monotonic()
+    started, cpu_started = time.monotonic(), time.process_time()
     key = task.key()
     values = _WORK[task.stage](task, key)
     return Receipt(
@@ -95,6 +95,7 @@ def _run(task: StageTask) -> Receipt:
         path=task.target,
         key=key,
         seconds=time.monotonic() - started,
+        cpu_s=time.process_time() - cpu_started,
         values=values,
     )
 

@@ -3,6 +3,7 @@
     server      Google, Panoramax, Mapillary and Poly Haven on 127.0.0.1, with faults on demand
     folder      pictures to serve from a folder of the user's own
     embedded    the city that travels with panokit: panoramas to fetch, truth for the judge
+    true_light  maps of true range without pictures, of places that nobody fetches
     generate    more panoramas of more places, from a seed (needs the `render` extra)
 
 How a city comes about: `shots` says where and when, `places` plans a `city.PlacePlan`,
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from panokit.synthetic.folder import pictures_in
     from panokit.synthetic.generate import render_city
     from panokit.synthetic.pictures import ServedPicture
+    from panokit.synthetic.true_light import reference_maps
     from panokit.synthetic.server import StreetServer
     from panokit.synthetic.serving import serve
     from panokit.synthetic.settings import CitySettings, ServeSettings
@@ -38,6 +40,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "embedded_truth": "panokit.synthetic.embedded",
         "parse_faults": "panokit.synthetic.fault_language",
         "pictures_in": "panokit.synthetic.folder",
+        "reference_maps": "panokit.synthetic.true_light",
         "render_city": "panokit.synthetic.generate",
         "serve": "panokit.synthetic.serving",
     },

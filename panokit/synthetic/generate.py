@@ -107,6 +107,13 @@ def render_shot(shot: Shot, settings: CitySettings) -> tuple[Panorama, Environme
     )
 
 
+def render_truth(shot: Shot, settings: CitySettings) -> NDArray[np.float32]:
+    """The radiance of a place alone, (W, 2 W, 3) for `truth_width_px` W, in the world's frame."""
+    return _render(
+        shot, settings, plan_place(shot.kind, shot.place_seed), sky_of(shot), {}, rig=False
+    )
+
+
 def sky_of(shot: Shot) -> Sky:
     """The sky over a shot's place at its time."""
     if shot.weather == "night":

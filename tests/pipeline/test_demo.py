@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from panokit.io import read_environment_map, write_environment_map
-from panokit.pipeline import demo
+from panokit.pipeline import demo, serving
 from panokit.probes import Library
 from panokit.synthetic import embedded_city, embedded_truth
 
@@ -18,7 +18,7 @@ _EXTERNAL = re.compile(r"""(?:src|href)\s*=\s*["'](?:https?:)?//""")
 @pytest.fixture
 def two_pictures(monkeypatch):
     pictures = list(embedded_city())[:2]
-    monkeypatch.setattr(demo, "embedded_city", lambda: pictures)
+    monkeypatch.setattr(serving, "embedded_city", lambda: pictures)
     return pictures
 
 

@@ -18,11 +18,14 @@ from panokit.probes import Library
 
 
 def tree(root: Path) -> dict[str, bytes]:
-    """Every file of a run that must be the same again; log and databases know the clock."""
+    """Every file of a run that must be the same again; log, index and report know durations."""
     return {
         str(path.relative_to(root)): path.read_bytes()
         for path in sorted(root.rglob("*"))
-        if path.is_file() and path.suffix not in (".sqlite", ".jsonl")
+        if path.is_file()
+        and path.suffix not in (".sqlite", ".jsonl")
+        and path.name not in ("timings.json",)
+        and path != root / "report.html"
     }
 
 
