@@ -3,29 +3,30 @@
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
 from panokit.console import Console
-from panokit.errors import MissingExtraError, UsageError
+from panokit.errors import MissingExtraError, Rejection, UsageError
+from panokit.train.settings import ExpansionTraining, LightingTraining
+
+if TYPE_CHECKING:
+    from panokit.engine import Engine
+    from panokit.train.team import DeviceName
+
+_FLAT = Parameter(name="*")
 
 
 def train(
     recipe: Path,
     /,
     *,
-    probes: Path | None = None,
-    data: Path | None = None,
-    size: str = "",
-    seed: int | None = None,
-    out: Path | None = None,
     work: Path = Path("work"),
-    folds: Annotated[bool, Parameter(negative=())] = False,
-    fold_members: int | None = None,
     processes: int = 2,
-    own_right: str = "",
     device: Literal["auto", "cpu", "cuda"] = "auto",
+    expansion: Annotated[ExpansionTraining, _FLAT] = ExpansionTraining(),
+    lighting: Annotated[LightingTraining, _FLAT] = LightingTraining(),
 ) -> int:
     """Train a network, or a suite of them, from recipes.
 
@@ -38,57 +39,44 @@ def train(
     recipe
         The recipe, for instance models/expand-2/recipe.toml or
         pipelines/lighting/dot-product.toml; a folder of lighting recipes is a suite.
-    probes
-        Of expansion: a folder of HDR probes with its manifest.csv.
-    data
-        Of lighting: a stereo dataset.
-    size
-        Of lighting: pocket, two-core or full, or a TOML file; the recipe as it is if not given.
-    seed
-        Of lighting: train the recipe once, with this seed, and not with all of the size's.
-    out
-        Of lighting: gets a folder for each model; WORK/models if not given.
     work
         Where examples and checkpoints are kept.
-    folds
-        Instead of releasing a model, train one for each fold of the probes that has not seen it, in
-        WORK/ID/fold-N, to be judged by: panokit evaluate expansion --model 'WORK/ID/fold-{fold}'
-    fold_members
-        Networks of either kind in each fold, if fewer than the recipe's will do.
     processes
         Processes for making the examples, or networks of a suite that are trained at a time.
-    own_right
-        What gives you the right to train with probes whose license does not, in words.
     device
         What to compute on; auto takes the graphics processor if there is one.
     """
     if find_spec("torch") is None:
         raise MissingExtraError("torch", "train", "Training")
-    from panokit.train.recipe import architecture_of, read_table
-    from panokit.train.team import team_of
+    from panokit.train.recipe import read_table
 
     if recipe.is_dir() or read_table(recipe).get("task") == "lighting":
-        if data is None:
-            raise UsageError("Networks that read light learn from a stereo dataset: --data DIR.")
-        return _train_lighting(
-            recipe, data, size, seed, out or work / "models", work, processes, device
-        )
-    if probes is None:
+        return _train_lighting(recipe, lighting, work, processes, device)
+    return _train_expansion(recipe, expansion, work, processes, device)
+
+
+def _train_expansion(
+    recipe: Path, settings: ExpansionTraining, work: Path, processes: int, device: "DeviceName"
+) -> int:
+    from panokit.train.recipe import architecture_of
+    from panokit.train.team import team_of
+
+    if settings.probes is None:
         raise UsageError("Expansion networks learn from a folder of HDR probes: --probes DIR.")
     architecture = architecture_of(recipe)
     own = {"processes": processes} if architecture == "panokit" else {}
-    if fold_members is not None:
-        if not folds or architecture != "panokit":
+    if settings.fold_members is not None:
+        if not settings.folds or architecture != "panokit":
             raise UsageError("--fold-members goes with --folds and an architecture of panokit's.")
-        own["fold_members"] = fold_members
+        own["fold_members"] = settings.fold_members
     with team_of(device) as team:
-        made = _trainer(architecture, folds)(
-            recipe, probes, work, own_right=own_right, team=team, **own
+        made = _trainer(architecture, settings.folds)(
+            recipe, settings.probes, work, own_right=settings.own_right, team=team, **own
         )
         if not team.leads:
             return 0
         console = Console()
-        if folds:
+        if settings.folds:
             console.result(f"Judge them with: panokit evaluate expansion --model '{made}'")
         else:
             console.result(f"Released: {made}")
@@ -96,44 +84,58 @@ def train(
 
 
 def _train_lighting(
-    recipe: Path,
-    data: Path,
-    size: str,
-    seed: int | None,
-    out: Path,
-    work: Path,
-    processes: int,
-    device: Literal["auto", "cpu", "cuda"],
+    recipe: Path, settings: LightingTraining, work: Path, processes: int, device: "DeviceName"
 ) -> int:
+    from panokit.errors import Rejection
+    from panokit.train.stereo.recipe import read_lighting_recipe
     from panokit.train.stereo.sizes import at_size
-    from panokit.train.stereo.stage import plan_suite, train_model, train_suite
+    from panokit.train.stereo.stage import plan_suite, train_model, train_suite, train_together
     from panokit.train.team import team_of
 
+    data, out = settings.data, settings.out or work / "models"
+    if data is None:
+        raise UsageError("Networks that read light learn from a stereo dataset: --data DIR.")
     console = Console()
-    if size and seed is None:
-        from panokit.engine import LocalEngine, SerialEngine
-
-        trainings = plan_suite([recipe], size, data, work, out)
-        console.note(f"{len(trainings)} networks, {processes} at a time")
-        engine = (
-            SerialEngine(on_report=console.note)
-            if processes == 1
-            else LocalEngine(processes, on_report=console.note)
-        )
-        done = train_suite(trainings, engine)
-        fresh = sum(receipt.fresh for receipt in done)
-        console.result(f"{fresh} networks trained, {len(done) - fresh} were there already.")
-        console.result(f"Judge them with: panokit evaluate {out} --data {data} --out scores")
-        return 0
-    if recipe.is_dir():
-        raise UsageError("A suite needs a size: --size pocket, two-core or full.")
-    chosen = at_size(recipe, size, seed)
+    is_suite = bool(settings.size) and settings.seed is None
+    if recipe.is_dir() and not is_suite:
+        raise UsageError("A suite needs a size, and takes its seeds: --size pocket and no --seed.")
     with team_of(device) as team:
-        train_model(chosen, data, work, out / chosen.id, team=team)
-        if team.leads:
-            console.result(f"Judge it with: panokit evaluate {out / chosen.id} --data {data} "
-                           "--out scores")
-    return 0
+        if not is_suite:
+            chosen = at_size(recipe, settings.size, settings.seed)
+            experiment = read_lighting_recipe(recipe).id
+            train_model(chosen, data, work, out / chosen.id, team=team, experiment=experiment)
+            if team.leads:
+                _say_how_to_judge(console, out / chosen.id, data)
+            return 0
+        trainings = plan_suite([recipe], settings.size, data, work, out)
+        if team.size > 1 or team.device != "cpu":
+            done = train_together(trainings, team)
+        else:
+            console.note(f"{len(trainings)} networks, {processes} at a time")
+            done = train_suite(trainings, _engine(processes, console))
+        if not team.leads:
+            return 0
+    missing = [outcome for outcome in done if isinstance(outcome, Rejection)]
+    for rejection in missing:
+        console.note(f"There is no {rejection.item}: {rejection.message}")
+    fresh = sum(not isinstance(outcome, Rejection) and outcome.fresh for outcome in done)
+    there = len(done) - fresh - len(missing)
+    console.result(f"{fresh} networks trained, {there} were there already.")
+    if there + fresh:
+        _say_how_to_judge(console, out, data)
+    return 1 if missing else 0
+
+
+def _engine(processes: int, console: Console) -> "Engine":
+    from panokit.engine import LocalEngine, SerialEngine
+
+    if processes == 1:
+        return SerialEngine(on_report=console.note)
+    return LocalEngine(processes, on_report=console.note)
+
+
+def _say_how_to_judge(console: Console, models: Path, data: Path) -> None:
+    console.result(f"Judge with: panokit evaluate {models} --data {data} --out scores")
 
 
 def _trainer(architecture: str, folds: bool) -> Callable[..., Path]:

@@ -74,6 +74,7 @@ def export(
     path: Path,
     *,
     only: str = "",
+    parity: float = PARITY,
 ) -> None:
     """Write one network as ONNX and check that it computes the same.
 
@@ -84,6 +85,7 @@ def export(
         dynamic: Axis -> dimension, of every input.
         path: Of the .onnx file.
         only: The one input that has these dimensions, if not every one has.
+        parity: The largest difference that is admitted, relative to the largest value.
 
     Raises:
         ModelError: If ONNX Runtime does not give what torch gives.
@@ -113,17 +115,21 @@ def export(
     expected = expected if isinstance(expected, tuple) else (expected,)
     found = Session(path).run({name: value.numpy() for name, value in example.items()})
     for name, value in zip(outputs, expected, strict=True):
-        _check_parity(path.name, name, found[name], value.numpy())
+        _check_parity(path.name, name, found[name], value.numpy(), parity)
 
 
 def _check_parity(
-    file: str, output: str, found: NDArray[np.float32], expected: NDArray[np.float32]
+    file: str,
+    output: str,
+    found: NDArray[np.float32],
+    expected: NDArray[np.float32],
+    parity: float,
 ) -> None:
     difference = float(np.abs(found - expected).max()) / max(float(np.abs(expected).max()), 1e-6)
-    if difference > PARITY:
+    if difference > parity:
         raise ModelError(
             f"{file}: {output} differs between torch and ONNX Runtime by {difference:.1e} of its "
-            f"largest value, more than {PARITY:.0e}. Export with another version of torch."
+            f"largest value, more than {parity:.0e}. Export with another version of torch."
         )
 
 

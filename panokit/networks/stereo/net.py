@@ -79,18 +79,19 @@ class StereoNet(nn.Module):
             for a, b, more in zip(widths, widths[1:], skipped, strict=False)
         )
         self.dropout = nn.Dropout2d(settings.dropout)
-        self.window = self.blend = self.lobes = None
+        self.window = self.lobes = None
         if settings.window:
             self.window = BackgroundWindow(settings.fov_deg, settings.output_px, self.coding)
-            self.blend = WrappedConvolution(widths[-1] + 4, widths[-1])
         if settings.lights:
             self.lobes = LightLobes(
                 fused * self.size**2, settings.lights, settings.output_px, self.coding.log_max
             )
+        # With a window the fourth says how much the background is to be believed.
+        outputs = 4 if settings.window else 3
         self.last = (
-            WrappedConvolution(widths[-1], 3)
+            WrappedConvolution(widths[-1], outputs)
             if settings.wrap
-            else nn.Conv2d(widths[-1], 3, 3, padding=1)
+            else nn.Conv2d(widths[-1], outputs, 3, padding=1)
         )
 
     def forward(self, left: Tensor, right: Tensor, background: Tensor) -> Tensor:
@@ -117,9 +118,11 @@ class StereoNet(nn.Module):
                 early = of_left[ENCODER_BLOCKS - 1 - n]
                 x = torch.cat([x, _resized(early, x.shape[-1])], dim=1)
             x = block(x)
-        if self.window is not None and self.blend is not None:
-            x = F.relu(self.blend(torch.cat([x, self.window(background).to(x.dtype)], dim=1)))
         code = self.last(x)
+        if self.window is not None:
+            seen = self.window(background)
+            belief = torch.sigmoid(code[:, 3:].float()) * seen[:, 3:]
+            code = belief * seen[:, :3] + (1 - belief) * code[:, :3]
         if self.lobes is None:
             return code
         painted = decode(code.float(), self.coding).clamp(max=self.coding.brightest)

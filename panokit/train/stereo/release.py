@@ -14,6 +14,8 @@ from panokit.train.stereo.pack import REFLECTANCE_PX
 from panokit.train.stereo.recipe import LightingRecipe
 
 FILE = "lighting.onnx"
+# Radiance is the exponential of what the network computes, and so are its differences.
+PARITY = 1e-4
 _MEANINGS = {
     "left": "the left view, display-encoded in [0, 1]",
     "right": "the right view, display-encoded in [0, 1]",
@@ -70,7 +72,8 @@ def release_lighting(recipe: LightingRecipe, network: nn.Module, folder: Path) -
         for name, (channels, size) in inputs_of(recipe).items()
     }
     batch = torch.export.Dim("batch", min=1, max=4096)
-    export(Released(network, recipe), example, ("radiance",), {0: batch}, folder / FILE)
+    released = Released(network, recipe)
+    export(released, example, ("radiance",), {0: batch}, folder / FILE, parity=PARITY)
     write_bytes(folder / "model.toml", _description(recipe, folder).encode())
 
 

@@ -12,7 +12,7 @@ from torch import nn
 
 from panokit.dataset.storage.index import indexed_digest
 from panokit.engine import Engine, LocalEngine, Outcome
-from panokit.errors import ModelError, Rejection, UsageError
+from panokit.errors import ModelError, Rejection, StorageError, UsageError
 from panokit.io.files import read_json, write_json
 from panokit.provenance import digest_of
 from panokit.records import Receipt
@@ -79,9 +79,9 @@ def plan_suite(
             raise UsageError(f"There are no recipes in {recipe}.")
         files += found
     ids = {file: read_lighting_recipe(file).id for file in files}
-    if len(set(ids.values())) < len(files):
-        twice = next(one for one, count in Counter(ids.values()).items() if count > 1)
-        raise UsageError(f"Two recipes are called {twice!r}. Give one of them another id.")
+    often, count = Counter(ids.values()).most_common(1)[0]
+    if count > 1:
+        raise UsageError(f"{count} recipes are called {often!r}. Give each an id of its own.")
     return [
         Training(
             experiment=ids[file],
@@ -91,7 +91,7 @@ def plan_suite(
             folder=out / made.id,
         )
         for seed in range(read_size(size).seeds)
-        for file in files
+        for file in ids
     ]
 
 
@@ -108,9 +108,8 @@ def train_suite(trainings: Sequence[Training], engine: Engine | None = None) -> 
         A receipt for each network, or a rejection that says why there is none.
     """
     # Before the workers come, which would make the same packs side by side.
-    for training in trainings:
-        open_packs(training.recipe, training.dataset, training.work)
-    return list((engine or LocalEngine()).run(train_one, trainings))
+    ready, rejections = _with_samples(trainings)
+    return [*(engine or LocalEngine()).run(train_one, ready), *rejections]
 
 
 def train_one(training: Training) -> Outcome:
@@ -138,7 +137,13 @@ def train_together(trainings: Sequence[Training], team: Team) -> list[Outcome]:
         ModelError: If a network diverges.
     """
     receipts: list[Outcome] = []
-    for training in trainings:
+    # The first process makes the packs that the others then find.
+    if not team.leads:
+        team.wait()
+    ready, rejections = _with_samples(trainings)
+    if team.leads:
+        team.wait()
+    for training in ready:
         fresh = not _is_done(training)
         # Nobody may begin and write what others have not looked for yet.
         team.wait()
@@ -148,7 +153,26 @@ def train_together(trainings: Sequence[Training], team: Team) -> list[Outcome]:
                 team=team, experiment=training.experiment,
             )  # fmt: skip
         receipts.append(_receipt(training, fresh))
-    return receipts
+    return [*receipts, *rejections]
+
+
+def _with_samples(trainings: Sequence[Training]) -> tuple[list[Training], list[Outcome]]:
+    """Those whose packs are there now, and rejections of those whose own sources are not."""
+    ready: list[Training] = []
+    rejections: list[Outcome] = []
+    for training in trainings:
+        recipe = training.recipe
+        try:
+            open_packs(recipe, training.dataset, training.work)
+        except (UsageError, StorageError) as error:
+            if not recipe.sources:
+                raise
+            rejections.append(
+                Rejection(item=recipe.id, stage=STAGE, reason="no-samples", message=str(error))
+            )
+        else:
+            ready.append(training)
+    return ready, rejections
 
 
 def _is_done(training: Training) -> bool:
@@ -156,9 +180,17 @@ def _is_done(training: Training) -> bool:
     path = training.folder / SUMMARY
     if not path.is_file():
         return False
-    record, dataset = read_json(path), indexed_digest(training.dataset)
-    made_by, made_from = record.get("recipe"), record.get("dataset", dataset)
-    return bool(made_by == training.recipe.digest and made_from == dataset)
+    record, samples = read_json(path), _samples_digest(training.recipe, training.dataset)
+    made_by, made_from = record.get("recipe"), record.get("dataset", samples)
+    return bool(made_by == training.recipe.digest and made_from == samples)
+
+
+def _samples_digest(recipe: LightingRecipe, dataset: Path) -> str:
+    """A digest of all datasets that a recipe takes samples from."""
+    own = indexed_digest(dataset)
+    if not recipe.sources:
+        return own
+    return digest_of([own, *(indexed_digest(dataset / one.data) for one in recipe.sources)])
 
 
 def _receipt(training: Training, fresh: bool) -> Receipt:
@@ -191,7 +223,7 @@ def train_model(
         open_packs(recipe, dataset, work)
     team.wait()
     training, validation = open_packs(recipe, dataset, work)
-    source = indexed_digest(dataset)
+    source = _samples_digest(recipe, dataset)
     place = work / "lighting" / f"{recipe.id}-{digest_of([recipe.digest, source])[:12]}"
     network = train_lighting(recipe, training, validation, place, team=team)
     if team.leads:
