@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from panokit.console import Console
-from panokit.errors import MissingExtraError, Rejection, UsageError
+from panokit.errors import MissingExtraError, UsageError
 from panokit.train.settings import ExpansionTraining, LightingTraining
 
 if TYPE_CHECKING:

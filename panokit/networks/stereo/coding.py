@@ -29,14 +29,21 @@ def encode(radiance: Tensor, coding: HdrCoding) -> Tensor:
     return torch.stack([(116 * y - 16) / 50 - 1, 500 * (x - y) / 110, 200 * (y - z) / 110], dim=1)
 
 
-def decode(code: Tensor, coding: HdrCoding) -> Tensor:
+def decode(code: Tensor, coding: HdrCoding, *, clip: bool = False) -> Tensor:
     """Radiance (B, 3, H, W) >= 0 of code values; equal to `HdrCoding.decode`.
 
     The compatible variant clips as it always did, so it has no gradient beyond [0, 1].
+
+    Args:
+        code: (B, 3, H, W).
+        coding: Of it.
+        clip: Whether nothing becomes brighter than `coding.brightest`. In training the
+            exponential of a wild guess would be infinite in single precision, and its gradient
+            not a number.
     """
     is_rgb = coding.color is ColorCode.RGB
     logs = (code + 1) / 2 if is_rgb else _rgb_from_lab(code, _scheme(coding))
-    if coding.color is ColorCode.PIX2PIX:
+    if clip or coding.color is ColorCode.PIX2PIX:
         logs = logs.clamp(0, 1)
     return torch.expm1(logs.clamp(min=0) * coding.log_max)
 

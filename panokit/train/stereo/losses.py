@@ -51,8 +51,7 @@ class MapLoss:
         terms = {"l1": weights.l1 * (code - encode(truth, self._coding)).abs().mean()}
         if weights.dssim == weights.render == weights.energy == weights.direction == 0:
             return terms
-        # A wild guess of the first steps would drown everything else in its exponential.
-        guess = decode(code.float(), self._coding).clamp(max=self._coding.brightest)
+        guess = decode(code.float(), self._coding, clip=True)
         if weights.dssim:
             terms["dssim"] = weights.dssim * dssim(guess, truth)
         if weights.render:

@@ -6,7 +6,7 @@ files that are mapped into memory, so several trainings share them.
 
 import shutil
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -78,16 +78,16 @@ def open_pack(dataset: Path, split: str, input_px: int, work: Path, limit: int =
     name = digest_of([_SCHEMA, source.keys[:count].tolist(), indexed_digest(dataset), input_px])
     folder = work / "packs" / f"{split}-{name[:12]}"
     if not folder.is_dir():
-        _make(folder, source, count, input_px)
+        _make(folder, lambda unfinished: _write(unfinished, source, count, input_px))
     return _read(folder)
 
 
-def _make(folder: Path, source: StereoDataset, count: int, size: int) -> None:
+def _make(folder: Path, write: Callable[[Path], None]) -> None:
     """Write a pack that is there at once, whole, for all who wait or write it too."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     unfinished = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
     try:
-        _write(unfinished, source, count, size)
+        write(unfinished)
         unfinished.chmod(0o755)
         _put(unfinished, folder)
     finally:
@@ -118,22 +118,26 @@ def join_packs(parts: Sequence[tuple[Pack, NDArray[np.int64]]], work: Path) -> P
         raise UsageError("None of the recipe's sources has a training sample. Look at its places.")
     name = digest_of([_SCHEMA, [[pack.digest, chosen.tolist()] for pack, chosen in parts]])
     folder = work / "packs" / f"joined-{name[:12]}"
-    if not (folder / "pack.json").is_file():
-        folder.mkdir(parents=True, exist_ok=True)
-        for array, like in parts[0][0].arrays.items():
-            target = np.lib.format.open_memmap(
-                folder / f"{array}.npy", mode="w+", dtype=like.dtype, shape=(count, *like.shape[1:])
-            )
-            first = 0
-            for pack, chosen in parts:
-                for block in np.array_split(chosen, max(1, len(chosen) // _BLOCK)):
-                    target[first : first + len(block)] = pack.arrays[array][block]
-                    first += len(block)
-            target.flush()
-        keys = [str(pack.keys[number]) for pack, chosen in parts for number in chosen]
-        places = [str(pack.places[number]) for pack, chosen in parts for number in chosen]
-        _record(folder, keys, places, parts[0][0].arrays)
+    if not folder.is_dir():
+        _make(folder, lambda unfinished: _join(unfinished, parts, count))
     return _read(folder)
+
+
+def _join(folder: Path, parts: Sequence[tuple[Pack, NDArray[np.int64]]], count: int) -> None:
+    arrays = parts[0][0].arrays
+    for name, like in arrays.items():
+        target = np.lib.format.open_memmap(
+            folder / f"{name}.npy", mode="w+", dtype=like.dtype, shape=(count, *like.shape[1:])
+        )
+        first = 0
+        for pack, chosen in parts:
+            for block in np.array_split(chosen, max(1, len(chosen) // _BLOCK)):
+                target[first : first + len(block)] = pack.arrays[name][block]
+                first += len(block)
+        target.flush()
+    keys = [str(pack.keys[number]) for pack, chosen in parts for number in chosen]
+    places = [str(pack.places[number]) for pack, chosen in parts for number in chosen]
+    _record(folder, keys, places, arrays)
 
 
 def _write(folder: Path, source: StereoDataset, count: int, size: int) -> None:

@@ -269,7 +269,7 @@ def _summary(
         "parameters": sum(weights.numel() for weights in network.parameters()),
         "steps": lines[-1]["step"],
         "epochs": recipe.schedule.epochs,
-        "cpu_hours": round(sum(float(line["cpu_s"]) for line in lines) / 3600, 4),
+        "cpu_hours": round(sum(float(line["cpu_s"]) for line in lines) / 3600, 6),
         "torch": str(torch.__version__),
         "converged": has_converged(validation),
         "history": [
