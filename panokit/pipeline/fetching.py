@@ -3,17 +3,14 @@
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 from urllib.parse import urlsplit
 
 from panokit.console import Console
 from panokit.errors import RecordError, Rejection
-from panokit.fetch import FetchEvent, FetchResult, FetchSettings, fetch
-from panokit.fetch.result import PERMANENT_REASONS
-from panokit.fetch.settings import VERSION
-from panokit.fetch.store import stored_captures
+from panokit.fetch.result import PERMANENT_REASONS, FetchEvent, FetchResult
+from panokit.fetch.settings import VERSION, FetchSettings
 from panokit.fetch.where import total_wanted
-from panokit.http import Budget, Client, Policy
 from panokit.io.attribution import write_attribution
 from panokit.io.captures import RECORD, StoredCapture, read_capture
 from panokit.io.files import read_json, sha256_of_file, write_json
@@ -22,6 +19,9 @@ from panokit.pipeline.batch import BatchResult
 from panokit.pipeline.settings import QuotaSettings
 from panokit.provenance import digest_of
 from panokit.records import Receipt, RunFolder, stage_key
+
+if TYPE_CHECKING:
+    from panokit.http import Client
 
 SCHEMA = "panokit.fetch/1"
 _RECORD = "fetch.json"
@@ -107,6 +107,8 @@ def _fetch_all(
     asks: Sequence[FetchSettings], run: RunFolder, console: Console, quota: QuotaSettings
 ) -> FetchResult:
     """All asks, one after the other; each is held to its own budget and all to the quota."""
+    from panokit.http import Budget, Client, Policy
+
     whole = FetchResult()
     spent_requests, spent_usd = 0, 0.0
     for ask in asks:
@@ -134,9 +136,13 @@ def _least(own: _Amount | None, quota: _Amount | None, spent: _Amount) -> _Amoun
 
 
 def fetch_into(
-    settings: FetchSettings, run: RunFolder, console: Console, *, client: Client | None = None
+    settings: FetchSettings, run: RunFolder, console: Console, *, client: "Client | None" = None
 ) -> FetchResult:
     """Fetch into a run folder, with progress, log and ledger."""
+    # Here, because a run that is finished asks nobody.
+    from panokit.fetch import fetch
+    from panokit.fetch.store import stored_captures
+
     ledger = Ledger(run.ledger)
     known = {r.item for r in ledger.rejections("fetch") if r.reason in PERMANENT_REASONS}
     total = total_wanted(settings)

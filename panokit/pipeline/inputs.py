@@ -10,7 +10,6 @@ from panokit.io.pictures import HDR_SUFFIXES
 from panokit.pipeline.tasks import StageTask
 from panokit.records import RunFolder, require_folder
 from panokit.settings import Settings
-from panokit.stitch import read_view_set
 
 # Where a stage finds its pictures in a run; the first folder that has any.
 _SOURCES = {"inpaint": ("panoramas",), "expand": ("filled", "panoramas")}
@@ -78,6 +77,8 @@ def stage_tasks(
 def _target_name(stage: str, source: Path) -> str:
     if source.is_dir():
         return f"{source.name}{_TARGETS[stage][1]}"
+    from panokit.stitch import read_view_set
+
     # What was HDR stays HDR; brackets and HDR views become a map, not a picture.
     hdr = (stage == "inpaint" and source.suffix.lower() in HDR_SUFFIXES) or (
         stage == "stitch" and read_view_set(source).is_hdr

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from panokit.console import Console
 from panokit.errors import RecordError, Rejection
@@ -12,9 +12,11 @@ from panokit.io.pictures import record_path
 from panokit.pipeline.batch import BatchResult
 from panokit.pipeline.settings import PipelineSettings
 from panokit.probes import Library
-from panokit.qa import JudgedMap, QaItem, QaResult, Verdict, qa, write_report
 from panokit.qa.settings import VERSION
 from panokit.records import Receipt, RunFolder, is_complete, stage_key
+
+if TYPE_CHECKING:
+    from panokit.qa import JudgedMap, QaItem, QaResult
 
 _SCHEMA = "panokit.report/1"
 _KEPT = "kept.json"
@@ -33,6 +35,8 @@ def judge_run(
         return _outcome(run, key, maps, verdicts, fresh=False)
     if not maps:
         return BatchResult(stage="qa")
+    from panokit.qa import qa, write_report  # here: a run that is finished needs none of it
+
     items = [_item(run, receipt) for receipt in maps]
     result = qa(items, settings.qa, reference=settings.reference, out=run.qa, stage=console.stage)
     write_report(result, run.qa, title=settings.name, rejections=rejections)
@@ -87,7 +91,9 @@ def keep_run(
     return BatchResult(stage="probes", receipts=tuple(receipts))
 
 
-def _item(run: RunFolder, receipt: Receipt) -> QaItem:
+def _item(run: RunFolder, receipt: Receipt) -> "QaItem":
+    from panokit.qa import QaItem
+
     name = receipt.item
     stitched, filled = run.panoramas / f"{name}.jpg", run.filled / f"{name}.jpg"
     return QaItem(
@@ -113,11 +119,13 @@ def _reference_files(folder: Path) -> list[Path]:
     return sorted(p for p in folder.glob("*") if p.suffix.lower() in (".exr", ".hdr"))
 
 
-def _verdicts(result: QaResult) -> dict[str, dict[str, Any]]:
+def _verdicts(result: "QaResult") -> dict[str, dict[str, Any]]:
     return {judged.item.name: _verdict(judged) for judged in result.maps}
 
 
-def _verdict(judged: JudgedMap) -> dict[str, Any]:
+def _verdict(judged: "JudgedMap") -> dict[str, Any]:
+    from panokit.qa import Verdict
+
     if judged.rejection is not None:
         return {"passed": False, "reason": judged.rejection.reason,
                 "message": judged.rejection.message}  # fmt: skip

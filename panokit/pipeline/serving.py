@@ -3,11 +3,14 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from panokit.console import Console
 from panokit.fetch.settings import FetchSettings, PlaceSettings
 from panokit.pipeline.settings import PipelineSettings, names_places
-from panokit.synthetic import ServedPicture, StreetServer, embedded_city, pictures_in
+
+if TYPE_CHECKING:
+    from panokit.synthetic import ServedPicture
 
 EMBEDDED = "embedded"
 # Where a picture stands for its place: pictures lie a few steps apart, as islands on a map.
@@ -47,13 +50,15 @@ def serving(
     if not settings.serve:
         yield asks
         return
+    from panokit.synthetic import StreetServer
+
     with StreetServer(_pictures(settings), port=settings.serve_port) as server:
         what = "The embedded city" if settings.serve == EMBEDDED else settings.serve
         console.note(f"{what} is served at {server.url}, to this machine only.")
         yield tuple(ask.model_copy(update={"endpoint": str(server.url)}) for ask in asks)
 
 
-def places_of(pictures: Sequence[ServedPicture]) -> tuple[PlaceSettings, ...]:
+def places_of(pictures: Sequence["ServedPicture"]) -> tuple[PlaceSettings, ...]:
     """The places of some pictures, as areas around them."""
     found: dict[str, list[tuple[float, float]]] = {}
     for picture in pictures:
@@ -69,7 +74,9 @@ def places_of(pictures: Sequence[ServedPicture]) -> tuple[PlaceSettings, ...]:
     )
 
 
-def _pictures(settings: PipelineSettings) -> Sequence[ServedPicture]:
+def _pictures(settings: PipelineSettings) -> Sequence["ServedPicture"]:
+    from panokit.synthetic import embedded_city, pictures_in
+
     if settings.serve == EMBEDDED:
         return embedded_city()
     return pictures_in(Path(settings.serve))[0]

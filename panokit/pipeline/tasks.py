@@ -16,12 +16,8 @@ from numpy.typing import NDArray
 from panokit.engine import Outcome, attempt
 from panokit.envmap import EnvironmentMap
 from panokit.errors import ImageError, UsageError
-from panokit.expand import expand
-from panokit.expand.compare import compare_methods, comparison_picture
 from panokit.expand.settings import VERSION as EXPAND_VERSION
 from panokit.expand.settings import ExpandSettings
-from panokit.expand.stage import weights_digest
-from panokit.inpaint import inpaint
 from panokit.inpaint.settings import VERSION as INPAINT_VERSION
 from panokit.inpaint.settings import InpaintSettings
 from panokit.io.captures import RECORD, read_capture
@@ -40,9 +36,9 @@ from panokit.panorama import Panorama
 from panokit.provenance import digest_of
 from panokit.records import Receipt, stage_key
 from panokit.settings import Settings
-from panokit.stitch import read_view_set, stitch, stitch_view_set
 from panokit.stitch.settings import VERSION as STITCH_VERSION
 from panokit.stitch.settings import StitchSettings
+from panokit.weights import released_models
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +70,7 @@ class StageTask:
         """The key of the result."""
         version, weights = _VERSIONS[self.stage], ""
         if isinstance(self.settings, ExpandSettings):
-            weights = weights_digest(self.settings.model)
+            weights = _expansion_digest(self.settings.model)
         elif isinstance(self.settings, InpaintSettings) and self.settings.network is not None:
             weights = sha256_of_file(self.settings.network)
         return stage_key(self.stage, version, self.settings.digest, self.inputs(), weights)
@@ -100,7 +96,10 @@ def _run(task: StageTask) -> Receipt:
     )
 
 
+# The stages' functions are loaded where they are called: a run that is finished needs none.
 def _stitch(task: StageTask, key: str) -> Mapping[str, Any]:
+    from panokit.stitch import stitch
+
     settings = _of(StitchSettings, task)
     if task.source.is_file():
         return _stitch_view_set(task, settings, key)
@@ -111,6 +110,8 @@ def _stitch(task: StageTask, key: str) -> Mapping[str, Any]:
 
 
 def _stitch_view_set(task: StageTask, settings: StitchSettings, key: str) -> Mapping[str, Any]:
+    from panokit.stitch import read_view_set, stitch_view_set
+
     made = stitch_view_set(read_view_set(task.source), settings)
     provenance = made.provenance.with_inputs(task.inputs())
     if isinstance(made, EnvironmentMap):
@@ -121,6 +122,8 @@ def _stitch_view_set(task: StageTask, settings: StitchSettings, key: str) -> Map
 
 
 def _inpaint(task: StageTask, key: str) -> Mapping[str, Any]:
+    from panokit.inpaint import inpaint
+
     settings = _of(InpaintSettings, task)
     if task.source.suffix.lower() in HDR_SUFFIXES:
         envmap = read_environment_map(task.source)
@@ -146,6 +149,8 @@ def _inpaint(task: StageTask, key: str) -> Mapping[str, Any]:
 
 
 def _expand(task: StageTask, key: str) -> Mapping[str, Any]:
+    from panokit.expand import expand
+
     settings = _of(ExpandSettings, task)
     panorama = read_panorama(task.source)
     envmap = expand(panorama, settings)
@@ -160,6 +165,8 @@ def _write_comparison(
     panorama: Panorama, settings: ExpandSettings, envmap: EnvironmentMap, target: Path
 ) -> None:
     """The analytic methods' maps and a picture of all, in NAME.compare; before the record."""
+    from panokit.expand.compare import compare_methods, comparison_picture
+
     maps = compare_methods(panorama, settings, envmap)
     folder = target.with_suffix(".compare")
     for name, other in maps.items():
@@ -176,6 +183,20 @@ _WORK: dict[str, Callable[[StageTask, str], Mapping[str, Any]]] = {
 _VERSIONS = {"stitch": STITCH_VERSION, "inpaint": INPAINT_VERSION, "expand": EXPAND_VERSION}
 
 
+def _expansion_digest(model: str) -> str:
+    """Of a model's weights, "" for an analytic method.
+
+    Raises:
+        ModelError: If there is none of this name.
+    """
+    released = {one.id: one for one in released_models() if one.task == "expansion"}
+    if model in released:
+        return released[model].digest
+    from panokit.expand.stage import weights_digest
+
+    return weights_digest(model)
+
+
 def _of(kind: type[Any], task: StageTask) -> Any:
     if not isinstance(task.settings, kind):
         raise UsageError(f"{task.stage} takes {kind.__name__}, not {type(task.settings).__name__}.")
@@ -188,6 +209,8 @@ def _source_digest(source: Path) -> str:
         record = read_json(source / RECORD)
         return digest_of([record.get("capture"), record.get("grid"), record.get("files")])
     if source.suffix.lower() == ".json":
+        from panokit.stitch import read_view_set
+
         return digest_of([sha256_of_file(source), read_view_set(source).digests()])
     record_file = record_path(source)
     if record_file.exists():

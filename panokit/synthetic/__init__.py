@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from panokit.synthetic.folder import pictures_in
     from panokit.synthetic.generate import render_city
     from panokit.synthetic.pictures import ServedPicture
-    from panokit.synthetic.true_light import reference_maps
     from panokit.synthetic.server import StreetServer
     from panokit.synthetic.serving import serve
     from panokit.synthetic.settings import CitySettings, ServeSettings
+    from panokit.synthetic.true_light import reference_maps
 
 __getattr__, __dir__, __all__ = lazy_names(
     __name__,

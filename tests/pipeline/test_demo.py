@@ -7,8 +7,9 @@ import shutil
 import numpy as np
 import pytest
 
+from panokit import synthetic
 from panokit.io import read_environment_map, write_environment_map
-from panokit.pipeline import demo, serving
+from panokit.pipeline import demo
 from panokit.probes import Library
 from panokit.synthetic import embedded_city, embedded_truth
 
@@ -18,7 +19,7 @@ _EXTERNAL = re.compile(r"""(?:src|href)\s*=\s*["'](?:https?:)?//""")
 @pytest.fixture
 def two_pictures(monkeypatch):
     pictures = list(embedded_city())[:2]
-    monkeypatch.setattr(serving, "embedded_city", lambda: pictures)
+    monkeypatch.setattr(synthetic, "embedded_city", lambda: pictures)
     return pictures
 
 

@@ -1,0 +1,253 @@
+"""What a pipeline would take: items, requests, money, disk and time, before anything starts.
+
+Nothing is asked of any server and nothing is written: counts are what the areas ask for, and costs
+are those of `panokit.pipeline.costs`. They are estimates, and say so.
+"""
+
+import math
+import shutil
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from panokit.engine import available_cores
+from panokit.errors import UsageError
+from panokit.fetch.prices import price_of
+from panokit.fetch.settings import FetchSettings
+from panokit.fetch.where import total_wanted
+from panokit.ledger import Ledger
+from panokit.pipeline.costs import (
+    COSTS,
+    MEASURED,
+    SAMPLE_COSTS,
+    TRAIN_INPUT_PX,
+    TRAIN_SAMPLE_CPU_S,
+    TRAIN_WIDTH,
+    StageCost,
+    at_width,
+)
+from panokit.pipeline.references import references_folder
+from panokit.pipeline.runner import stages_up_to
+from panokit.pipeline.serving import served_asks
+from panokit.pipeline.settings import PipelineSettings
+from panokit.records import RunFolder
+
+# A search brings about so many pictures of a place; what is too near is passed over.
+_FOUND_PER_SEARCH = 20
+_GOOGLE_WIDTH_PX, _TILE_PX = 16384, 512
+# Stages that work item by item on the engine's workers; the others have one process.
+_PARALLEL = ("stitch", "inpaint", "expand", "dataset")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StagePlan:
+    """What one stage would take.
+
+    Attributes:
+        stage: The stage.
+        unit: What its items are.
+        items: How many the pipeline asks for; None where nobody knows before.
+        done: How many of them are done.
+        requests: To send.
+        cost_usd: By list price, nothing free.
+        cpu_s: Processor seconds.
+        seconds: On as many workers as the stage uses.
+        bytes: That stay on disk.
+    """
+
+    stage: str
+    unit: str = "panorama"
+    items: int | None = 0
+    done: int = 0
+    requests: int = 0
+    cost_usd: float = 0.0
+    cpu_s: float = 0.0
+    seconds: float = 0.0
+    bytes: float = 0.0
+
+    @property
+    def left(self) -> int:
+        """Items still to be done."""
+        return max((self.items or 0) - self.done, 0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """What a whole pipeline would take.
+
+    Attributes:
+        name: Of the pipeline.
+        stages: In order.
+        workers: That the time is for.
+        quota_days: Days that the sources' usual quotas take, None where they have none.
+        within_quota: Whether one start can send all requests and spend all money.
+        free_bytes: On the disk that the run goes to.
+        measured: When and where the costs were measured.
+    """
+
+    name: str
+    stages: tuple[StagePlan, ...]
+    workers: int
+    quota_days: int | None
+    within_quota: bool
+    free_bytes: int
+    measured: str = MEASURED
+
+    def total(self, figure: str) -> float:
+        """The sum of one figure over all stages."""
+        return sum(getattr(stage, figure) for stage in self.stages)
+
+    def to_json(self) -> dict[str, Any]:
+        """A dictionary for `json.dump`."""
+        totals = ("requests", "cost_usd", "cpu_s", "seconds", "bytes")
+        return {**asdict(self), "total": {name: self.total(name) for name in totals}}
+
+
+def plan_pipeline(settings: PipelineSettings, *, stop_after: str | None = None) -> Plan:
+    """What a pipeline would take, less what its run has done already.
+
+    Args:
+        settings: Of the pipeline.
+        stop_after: The last stage; all if not given.
+
+    Raises:
+        UsageError: If it has no such stage.
+        PlaceError: If a city is not known, or no place is given.
+    """
+    workers = 1 if settings.engine == "serial" else settings.workers or available_cores()
+    run = RunFolder(settings.folder())
+    done = {stage: count for stage, (count, _, _) in Ledger(run.ledger).counts().items()}
+    asks = served_asks(settings)
+    counts = [total_wanted(ask) for ask in asks]
+    panoramas = None if None in counts else sum(count or 0 for count in counts)
+    stages = []
+    for stage in stages_up_to(settings, stop_after):
+        plan = _stage_plan(stage, settings, panoramas, done.get(stage, 0), workers)
+        stages.append(_with_requests(plan, asks) if stage == "fetch" else plan)
+    fetch = stages[0]
+    limits = (settings.quota.max_requests, settings.quota.max_cost_usd)
+    return Plan(
+        name=settings.name,
+        stages=tuple(stages),
+        workers=workers,
+        quota_days=_quota_days(asks),
+        within_quota=all(
+            limit is None or spent <= limit
+            for limit, spent in zip(limits, (fetch.requests, fetch.cost_usd), strict=True)
+        ),
+        free_bytes=_free_bytes(run.root),
+    )
+
+
+def requests_of(ask: FetchSettings, panoramas: int, *, places: int = 1) -> tuple[int, int]:
+    """How many requests some panoramas of a source take: to search, and for their files.
+
+    Args:
+        ask: Where from, and how large.
+        panoramas: How many.
+        places: That they are spread over.
+    """
+    if ask.source == "folder" or panoramas == 0:
+        return 0, 0
+    searches = max(places, math.ceil(panoramas / _FOUND_PER_SEARCH))
+    if ask.source == "google-tiles":
+        searches += panoramas  # metadata, which is free
+    return searches, panoramas * files_per_panorama(ask)
+
+
+def files_per_panorama(ask: FetchSettings) -> int:
+    """How many files a panorama comes in: one, or its tiles, or its views."""
+    if ask.source == "google-tiles":
+        if ask.zoom is not None:
+            columns = max(1, (_GOOGLE_WIDTH_PX // _TILE_PX) >> (5 - ask.zoom))
+        else:
+            columns = math.ceil(min(ask.width_px, _GOOGLE_WIDTH_PX) / _TILE_PX)
+        return columns * max(1, columns // 2)
+    if ask.source == "google-static":
+        from panokit.fetch.google_static import plan_views
+
+        return len(plan_views(ask.view_fov_deg))
+    return 1
+
+
+def _with_requests(plan: StagePlan, asks: Sequence[FetchSettings]) -> StagePlan:
+    requests, cost, slowest = 0, 0.0, 0.0
+    done = plan.done
+    for ask in asks:
+        wanted = total_wanted(ask) or 0
+        left, done = max(wanted - done, 0), max(done - wanted, 0)
+        searches, files = requests_of(ask, left)
+        requests += searches + files
+        cost += files * price_of(ask.source, ask.prices).usd_per_unit
+        slowest += (searches + files) / ask.requests_per_s
+    return replace(plan, requests=requests, cost_usd=cost, seconds=max(plan.seconds, slowest))
+
+
+def _quota_days(asks: Sequence[FetchSettings]) -> int | None:
+    """Days of the sources' usual quotas; one source after the other."""
+    days = 0
+    for ask in asks:
+        price = price_of(ask.source, ask.prices)
+        if price.per_day:
+            days += math.ceil((total_wanted(ask) or 0) * files_per_panorama(ask) / price.per_day)
+    return days or None
+
+
+def _stage_plan(
+    stage: str, settings: PipelineSettings, panoramas: int | None, done: int, workers: int
+) -> StagePlan:
+    items, cost = _items_and_cost(stage, settings, panoramas)
+    left = max((items or 0) - done, 0)
+    cpu_s = left * cost.cpu_s
+    return StagePlan(
+        stage=stage,
+        unit=cost.unit,
+        items=items,
+        done=min(done, items) if items is not None else done,
+        cpu_s=cpu_s,
+        seconds=cpu_s / (workers if stage in _PARALLEL else 1),
+        bytes=left * cost.bytes,
+    )
+
+
+def _items_and_cost(
+    stage: str, settings: PipelineSettings, panoramas: int | None
+) -> tuple[int | None, StageCost]:
+    cost = COSTS[stage]
+    if stage in ("expand", "probes"):
+        return panoramas, at_width(cost, settings.expand.width_px)
+    if stage == "references":
+        own = references_folder(settings.references) is None
+        return settings.references.rendered if own else 0, cost
+    if settings.dataset is None or stage not in ("dataset", "train", "evaluate"):
+        width = min(max(ask.width_px for ask in settings.asks()), 8192)
+        return panoramas, at_width(cost, width)
+    arms, samples = len(settings.dataset.arms), settings.dataset.count
+    if stage == "dataset":
+        rig = settings.dataset.settings.rig
+        one = at_width(SAMPLE_COSTS[settings.dataset.settings.renderer], rig.width_px)
+        return arms, StageCost(cpu_s=one.cpu_s * samples, bytes=one.bytes * samples, unit="dataset")
+    if settings.train is None:
+        raise UsageError("This pipeline has no table train.")
+    if stage == "train":
+        network = settings.train.network
+        size = (network.input_px / TRAIN_INPUT_PX) ** 2 * (network.width / TRAIN_WIDTH) ** 2
+        share = 1 - (
+            settings.dataset.settings.validation_share + settings.dataset.settings.test_share
+        )
+        seen = settings.train.schedule.epochs * samples * share
+        cpu_s = 6.0 + TRAIN_SAMPLE_CPU_S * seen * size
+        return arms, StageCost(cpu_s=cpu_s, bytes=cost.bytes, unit=cost.unit)
+    tested = samples * settings.dataset.settings.test_share
+    asked = settings.evaluate.count if settings.evaluate else 0
+    return 1, StageCost(
+        cpu_s=cost.cpu_s * min(asked or tested, tested) * arms, bytes=1e5, unit="table"
+    )
+
+
+def _free_bytes(folder: Path) -> int:
+    there = folder.absolute()
+    while not there.exists():
+        there = there.parent
+    return shutil.disk_usage(there).free
