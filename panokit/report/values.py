@@ -205,11 +205,12 @@ class Charts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pictures:
-    """Pictures beside one another."""
+    """Pictures beside one another; or, if wide, each over the whole width of the page."""
 
     pictures: tuple[Picture, ...]
     title: str = ""
     note: str = ""
+    wide: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

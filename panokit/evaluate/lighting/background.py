@@ -24,7 +24,7 @@ class BackgroundExtrapolation:
     """
 
     name = "background, extended"
-    digest = "1"
+    digest = "background, extended 1"
 
     def predict(self, sample: StereoSample) -> NDArray[np.float32]:
         """(64, 64, 3)."""

@@ -80,7 +80,7 @@ class MeanMap:
 
     def __init__(self, training: TrainingMaps) -> None:
         self._map = training.mean()
-        self.digest = f"1-{training.digest}"
+        self.digest = f"mean map 1 {training.digest}"
 
     def predict(self, sample: StereoSample) -> Maps:
         """(64, 64, 3)."""
@@ -95,7 +95,7 @@ class RandomMap:
     def __init__(self, training: TrainingMaps, seed: int = 0) -> None:
         self._training = training
         self._seed = seed
-        self.digest = f"1-{training.digest}-{seed}"
+        self.digest = f"random map 1 {training.digest}-{seed}"
 
     def predict(self, sample: StereoSample) -> Maps:
         """(64, 64, 3)."""
@@ -110,7 +110,7 @@ class NearestMap:
 
     def __init__(self, training: TrainingMaps) -> None:
         self._training = training
-        self.digest = f"1-{training.digest}"
+        self.digest = f"nearest map (oracle) 1 {training.digest}"
 
     def predict(self, sample: StereoSample) -> Maps:
         """(64, 64, 3)."""
@@ -121,7 +121,7 @@ class AmbientColor:
     """One color everywhere: the mean of the left view, as ambient-light estimates of phones."""
 
     name = "ambient color"
-    digest = "1"
+    digest = "ambient color 1"
 
     def predict(self, sample: StereoSample) -> Maps:
         """(64, 64, 3)."""

@@ -12,7 +12,7 @@ from panokit.evaluate.lighting.run import TO_MEMORY, TO_TRUTH
 from panokit.evaluate.lighting.score_tables import HEADINGS, marks
 from panokit.evaluate.lighting.scoring import DOMINANCE
 from panokit.evaluate.lighting.statements import PRIMARY, against
-from panokit.evaluate.lighting.tables import TextTable, figure
+from panokit.evaluate.lighting.tables import TextTable, figure, signed
 from panokit.metrics.brightest import DOMINANT
 
 
@@ -102,7 +102,7 @@ def beats(outcome: Outcome) -> TextTable:
             for name in names:
                 found = against(outcome, entrant, other, name)
                 cells.append(
-                    "–" if found is None else f"{found[1]} ({100 * found[0].relative:+.0f} %)"
+                    "–" if found is None else f"{found[1]}, {signed(100 * found[0].relative, 0)} %"
                 )
         rows.append((entrant.title, *cells))
     return TextTable(

@@ -39,10 +39,10 @@ def _reflectance(title: str) -> Experiment:
 
 EXPERIMENTS: Mapping[str, Experiment] = MappingProxyType(
     {
-        "concat-unshared-deep": _stereo("concatenated, unshared, deep", "STR-1", "deep"),
-        "concat-shared-deep": _stereo("concatenated, shared, deep", "STR-2", "deep"),
+        "concat-unshared-deep": _stereo("concat, unshared, deep", "STR-1", "deep"),
+        "concat-shared-deep": _stereo("concat, shared, deep", "STR-2", "deep"),
         "dot-product-deep": _stereo("dot product, deep", "STR-3", "deep"),
-        "concat-shared": _stereo("concatenated, shared", "STR-2"),
+        "concat-shared": _stereo("concat, shared", "STR-2"),
         "dot-product": _stereo("dot product", "STR-3"),
         "copy-left": _stereo("dot product, left copied", "STR-2"),
         "no-background": _stereo("without background", "STR-4"),

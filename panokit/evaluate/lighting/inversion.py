@@ -31,7 +31,7 @@ class ReflectanceInversion:
     """Non-negative least squares on the left view's pixels; knows the true normals."""
 
     name = "least squares (true normals)"
-    digest = "1"
+    digest = "least squares (true normals) 1"
 
     def predict(self, sample: StereoSample) -> NDArray[np.float32]:
         """(64, 64, 3)."""

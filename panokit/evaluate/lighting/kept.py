@@ -4,6 +4,7 @@ OUT/kept/samples/<key>/left.png, right.png, normals.png, truth.npy
 OUT/kept/predictions/<digest>/<key>.npy
 """
 
+import hashlib
 import io
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -65,7 +66,7 @@ class Kept:
     def add_prediction(self, digest: str, key: str, radiance: NDArray[np.float32]) -> None:
         """Keep a predicted map, as half."""
         data = _packed(np.clip(radiance, 0, _HALF_MAX), np.float16)
-        write_bytes(self._predictions / digest[:16] / f"{key}.npy", data)
+        write_bytes(self._predictions / _folder(digest) / f"{key}.npy", data)
 
     def sample_keys(self) -> list[str]:
         """Of the kept samples, in order."""
@@ -87,7 +88,7 @@ class Kept:
 
     def prediction(self, digest: str, key: str) -> NDArray[np.float32] | None:
         """(64, 64, 3), or None if it was not kept."""
-        path = self._predictions / digest[:16] / f"{key}.npy"
+        path = self._predictions / _folder(digest) / f"{key}.npy"
         return _unpacked(path) if path.is_file() else None
 
     def predictions(self, digest: str) -> Iterator[tuple[str, NDArray[np.float32]]]:
@@ -96,6 +97,11 @@ class Kept:
             found = self.prediction(digest, key)
             if found is not None:
                 yield key, found
+
+
+def _folder(digest: str) -> str:
+    """A name for a folder, of any text."""
+    return hashlib.sha256(digest.encode()).hexdigest()[:16]
 
 
 def _packed(values: NDArray[np.floating], kind: type) -> bytes:

@@ -6,6 +6,7 @@ OUT/report.html, report.md, summary.json, figures/*.png and *.pdf, tables/*.csv
 import base64
 import struct
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -33,24 +34,22 @@ from panokit.report import (
 )
 
 _TONES = {Verdict.REPRODUCED: "good", Verdict.NOT_REPRODUCED: "poor", Verdict.UNDECIDED: "note"}
-# Heading -> figures and tables below it, and whether it is open.
-_PARTS: tuple[tuple[str, tuple[str, ...], tuple[str, ...], bool], ...] = (
-    ("Verdicts", (), ("V", "V-2"), True),
-    ("Scores", ("F5.7", "F5.7 log", "F5.7 SSD"), ("T-1", "T-2", "T-3"), True),
-    ("Training", ("F5.1", "F5.2", "F5.3", "F5.4", "F5.5", "F5.6"), ("F5-curves", "F5-ratios"),
-     True),
-    ("MSE and DSSIM", ("F5.8", "F5.9", "F5.8 sheet", "F5.9 sheet"), ("F5.8", "F5.9", "F5.7"),
-     True),
-    ("Where the light is", ("F5.10a", "F5.10b", "F5.10c", "F5.10 sheet"),
-     ("F5.10", "F5.10-strata", "F5.10-rgb", "F5.10-luma", "F5.10-wrapped"), True),
-    ("Scenes in predicted light", ("F-C", "F-I"), (), True),
-    ("Normals, memory, the second view", ("F-Da", "F-Db", "F-E", "F-F"), ("F-E", "F-F"), True),
-    ("Reflectance maps", (), ("T-R",), True),
-    ("Size and speed", (), ("T-B",), True),
-    ("Ablation, all figures", (), ("T-A", "T-A2"), True),
-    ("Protocols of others", (),
-     ("T-G-spheres-compat", "T-G-spheres-fixed", "T-G-array-compat", "T-G-array-fixed"), False),
-    ("Data", ("F-J", "T-K elevation", "T-K directedness"), ("T-K", "T-K-test"), True),
+# Heading, figures, tables below them, and tables that are folded.
+_PARTS: tuple[tuple[str, tuple[str, ...], tuple[str, ...], tuple[str, ...]], ...] = (
+    ("Verdicts", (), ("V",), ("V-2",)),
+    ("Scores", ("F5.7", "F5.7 log", "F5.7 SSD"), ("T-1", "T-2"), ("T-3", "F5.7")),
+    ("Training", ("F5.1", "F5.2", "F5.3", "F5.4", "F5.5", "F5.6"), ("F5-ratios",), ("F5-curves",)),
+    ("MSE and DSSIM", ("F5.8", "F5.9", "F5.8 sheet", "F5.9 sheet"), (), ("F5.8", "F5.9")),
+    ("Where the light is", ("F5.10a", "F5.10b", "F5.10c", "F5.10 sheet"), ("F5.10-strata",),
+     ("F5.10", "F5.10-rgb", "F5.10-luma", "F5.10-wrapped")),
+    ("Scenes in predicted light", ("F-C", "F-I"), (), ()),
+    ("Normals, memory, the second view", ("F-Da", "F-Db", "F-F", "F-E"), ("F-E",), ("F-F",)),
+    ("Reflectance maps", (), ("T-R",), ()),
+    ("Size and speed", (), ("T-B",), ()),
+    ("Ablation", (), ("T-A",), ("T-A2",)),
+    ("Protocols of others", (), (),
+     ("T-G-spheres-compat", "T-G-spheres-fixed", "T-G-array-compat", "T-G-array-fixed")),
+    ("Data", ("F-J", "T-K elevation", "T-K directedness"), ("T-K", "T-K-test"), ()),
 )  # fmt: skip
 _FOOTER = (
     "Scores of a sample are means over seeds; intervals are percentile bootstraps that draw places "
@@ -86,15 +85,18 @@ def write_pack(folder: Path, tick: Callable[[], object] = lambda: None) -> dict[
 
 def report_page(pack: Pack) -> Page:
     """The page."""
-    used: set[str] = set()
     sections: list[Section] = []
-    for title, figures, tables, is_open in _PARTS:
+    for title, figures, tables, folded in _PARTS:
         named = [pack.figures[name] for name in _with_sizes(pack, figures)]
         inside = [*_pictures(named), *(_table(pack, name) for name in tables
                                        if name in pack.tables)]  # fmt: skip
-        used |= set(tables)
+        for name in folded:
+            if name in pack.tables:
+                table = _table(pack, name)
+                inside.append(Group(title=table.title, folded=True,
+                                    sections=(replace(table, title=""),)))  # fmt: skip
         if inside:
-            sections.append(Group(title=title, sections=tuple(inside), folded=not is_open))
+            sections.append(Group(title=title, sections=tuple(inside)))
     outcome = pack.outcome
     return Page(
         title=f"Light from two views: {outcome.dataset.get('name') or outcome.folder.name}",
@@ -167,7 +169,8 @@ def _pictures(figures: list[FigureFile]) -> list[Section]:
     narrow = tuple(_picture(one) for one in figures if not one.wide)
     if narrow:
         found.append(Pictures(pictures=narrow))
-    return [*found, *(Pictures(pictures=(_picture(one),)) for one in figures if one.wide)]
+    wide = tuple(_picture(one) for one in figures if one.wide)
+    return [*found, *([Pictures(pictures=wide, wide=True)] if wide else [])]
 
 
 def _picture(figure: FigureFile) -> Picture:
@@ -222,9 +225,9 @@ def report_markdown(pack: Pack) -> str:
     outcome = pack.outcome
     text = [f"# Light from two views: {outcome.dataset.get('name') or outcome.folder.name}", ""]
     text += [part for line in _summary(pack) for part in (line, "")]
-    for title, figures, tables, _ in _PARTS:
+    for title, figures, tables, folded in _PARTS:
         shown = _with_sizes(pack, figures)
-        there = [name for name in tables if name in pack.tables]
+        there = [name for name in (*tables, *folded) if name in pack.tables]
         if not (shown or there):
             continue
         text += [f"## {title}", ""]

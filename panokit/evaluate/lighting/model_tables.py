@@ -9,7 +9,7 @@ from panokit.evaluate.lighting.experiments import experiment
 from panokit.evaluate.lighting.outcome import Outcome, epochs_to_within
 from panokit.evaluate.lighting.score_tables import HEADINGS, marks, marks_note
 from panokit.evaluate.lighting.statements import EPOCHS, PRIMARY, Finding, Statement
-from panokit.evaluate.lighting.tables import TextTable, figure
+from panokit.evaluate.lighting.tables import TextTable, figure, signed
 from panokit.evaluate.lighting.verdicts import place_interval
 
 # Thesis's figure -> experiments in it, in the order of its legend.
@@ -65,7 +65,7 @@ def ratios(outcome: Outcome) -> TextTable:
                           for curves in (one, two))  # fmt: skip
             change = float(two[:, -1].mean() / one[:, -1].mean()) - 1
             rows.append((id_, f"{experiment(other).title} over {experiment(names[0]).title}",
-                         figure(slow / fast), f"{100 * change:+.1f} %"))  # fmt: skip
+                         figure(slow / fast), f"{signed(100 * change)} %"))  # fmt: skip
     return TextTable(
         id="F5-ratios",
         title="Convergence and final validation SSD, pair by pair",
@@ -107,8 +107,8 @@ def controls(outcome: Outcome) -> TextTable:
     """What spoiled inputs do to the score."""
     rows = []
     for entrant, control, change, low, high, n in control_changes(outcome):
-        rows.append((entrant, control, str(n), f"{100 * change:+.1f} %",
-                     f"{100 * low:+.1f} to {100 * high:+.1f} %"))  # fmt: skip
+        rows.append((entrant, control, str(n), f"{signed(100 * change)} %",
+                     f"{signed(100 * low)} to {signed(100 * high)} %"))  # fmt: skip
     return TextTable(
         id="F-F",
         title="Controls: SSD of code values with spoiled inputs",
@@ -183,39 +183,50 @@ def verdicts(found: Sequence[Finding]) -> TextTable:
         if one.figure != one.statement.primary:
             continue
         rows.append((
-            one.statement.number or "–",
-            one.statement.text + (f" ({one.size})" if several else ""),
-            said_of(one), _figure(one.figure), str(one.comparison.n),
-            str(one.comparison.places or "–"), str(one.comparison.seeds),
-            _difference(one), str(one.verdict) + (f": {one.why}" if one.why else ""),
+            _statement(one) + (f" ({one.size})" if several else ""),
+            str(one.verdict) + (f": {one.why}" if one.why else ""),
+            _difference(one), _figure(one.figure), str(one.comparison.n),
+            str(one.comparison.places or "–"), str(one.comparison.seeds), said_of(one),
         ))  # fmt: skip
     return TextTable(
         id="V",
         title="What the thesis says, and what the data say",
-        columns=("thesis", "statement", "compared", "figure", "n", "places", "seeds",
-                 "difference (95 % interval)", "verdict"),
+        columns=("statement", "verdict", "difference (95 % interval)", "figure", "n", "places",
+                 "seeds", "compared"),
         rows=tuple(rows),
-        note="Difference: the first minus the second, relative to the second; lower is better. "
+        note="With the thesis's figure or section where it says so; the others it never reported. "
+        "Difference: the first minus the second, relative to the second; lower is better. "
         "Intervals by drawing places anew, of epochs by Student's t over seeds. “Same” needs an "
         "interval within 2 %.",
     )  # fmt: skip
 
 
 def secondary(found: Sequence[Finding]) -> TextTable:
-    """Every statement by its other figures."""
-    rows = [
-        (one.statement.number or "–", one.statement.text, _figure(one.figure), _difference(one),
-         str(one.verdict))
-        for one in found
-        if one.figure != one.statement.primary
-    ]  # fmt: skip
+    """Every statement by its other figures, a column for each."""
+    others = [one for one in found if one.figure != one.statement.primary]
+    names = list(dict.fromkeys(_figure(one.figure) for one in others))
+    by_pair: dict[tuple[str, str, str], dict[str, str]] = {}
+    for one in others:
+        pair = one.statement.first, one.statement.second, one.size
+        by_pair.setdefault(pair, {})[_figure(one.figure)] = f"{_difference(one)}, {one.verdict}"
+    several = len({size for *_, size in by_pair}) > 1
     return TextTable(
         id="V-2",
-        title="The same statements by other figures",
-        columns=("thesis", "statement", "figure", "difference (95 % interval)", "verdict"),
-        rows=tuple(rows),
+        title="The same comparisons by other figures",
+        columns=("compared", *names),
+        rows=tuple(
+            (f"{first} and {second}" + (f" ({size})" if several else ""),
+             *(cells.get(name, "–") for name in names))
+            for (first, second, size), cells in by_pair.items()
+        ),
         note="These decide nothing; they show whether the primary figure stands alone.",
-    )
+    )  # fmt: skip
+
+
+def _statement(one: Finding) -> str:
+    text = one.statement.text
+    number = one.statement.number
+    return f"{number}: {text}" if number else text[0].upper() + text[1:]
 
 
 def said_of(one: Finding) -> str:
@@ -234,8 +245,8 @@ def _difference(one: Finding) -> str:
     scale = found.mean / found.relative if found.relative else 0.0
     if not scale:
         return f"{figure(found.mean)} ({figure(found.low)} to {figure(found.high)})"
-    return (f"{100 * found.relative:+.1f} % ({100 * found.low / scale:+.1f} to "
-            f"{100 * found.high / scale:+.1f} %)")  # fmt: skip
+    ends = 100 * found.low / scale, 100 * found.high / scale
+    return f"{signed(100 * found.relative)} % ({signed(ends[0])} to {signed(ends[1])} %)"
 
 
 def _steps(models: Sequence[Mapping[str, Any]]) -> str:

@@ -38,8 +38,8 @@ HEADINGS = {
     "reflectance-dssim": "DSSIM (thesis)",
 }
 _LEAGUE = (
-    PRIMARY, "thesis-dssim", "thesis-mse", "light-vector", "brightest", "relit-diffuse-rmse",
-    "relit-diffuse-si-rmse", "relit-mirror-si-rmse", "relit-plane-si-rmse",
+    PRIMARY, "thesis-dssim", "thesis-mse", "light-vector", "brightest", "relit-diffuse-si-rmse",
+    "relit-mirror-si-rmse", "relit-plane-si-rmse",
 )  # fmt: skip
 _ALL = tuple(name for name in HEADINGS if not name.startswith("reflectance"))
 _REFLECTANCE = tuple(name for name in HEADINGS if name.startswith("reflectance"))
@@ -54,7 +54,7 @@ _LISTED = {
     "STR-8": ("", "pyramid-multi-scale"),
 }
 _LISTED_NAMES = {
-    "STR-1": "concatenated, unshared", "STR-2": "concatenated, shared", "STR-3": "dot product",
+    "STR-1": "concat, unshared", "STR-2": "concat, shared", "STR-3": "dot product",
     "STR-4": "without background", "STR-5": "with augmented data",
     "STR-6": "own background branch", "STR-7": "similarity pyramid",
     "STR-8": "pyramid, multi-scale",

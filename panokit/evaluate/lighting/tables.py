@@ -58,5 +58,10 @@ def figure(value: float | None) -> str:
 
 
 def interval(mean: float, low: float, high: float) -> str:
-    """A mean with its interval: "0.34 (0.31 to 0.36)"."""
-    return f"{figure(mean)} ({figure(low)} to {figure(high)})"
+    """A mean with its interval: "0.340 (0.310–0.360)"."""
+    return f"{figure(mean)} ({figure(low)}–{figure(high)})"
+
+
+def signed(value: float, digits: int = 1) -> str:
+    """With its sign, and a minus that is one."""
+    return f"{value:+.{digits}f}".replace("-", "−")

@@ -1,4 +1,4 @@
-"""Evaluations that nobody ran: scores with known effects, in a folder as the evaluator writes it."""
+"""Evaluations that nobody ran: scores with known effects, in a folder as evaluators write it."""
 
 import json
 from collections.abc import Mapping

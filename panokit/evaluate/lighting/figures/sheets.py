@@ -79,8 +79,9 @@ def _contact(
 
 def _relit(outcome: Outcome, shown: Sequence[Entrant], keys: Sequence[str]) -> FigureFile:
     """F-C: known scenes in the true light and in the predicted."""
-    rows, labels = [], []
+    rows, labels, groups = [], [], []
     for _, key in _at_percentiles(outcome, shown[0], "relit-diffuse-si-rmse", keys)[::2]:
+        groups.append(len(rows))
         sample = outcome.kept.sample(key)
         maps = {"truth": sample.truth} | {e.title: _prediction(outcome, e, key) for e in shown}
         flats = {name: resize_radiance(one, 64, 32) for name, one in maps.items()}
@@ -95,8 +96,9 @@ def _relit(outcome: Outcome, shown: Sequence[Entrant], keys: Sequence[str]) -> F
         id="F-C",
         title="Known scenes in true and predicted light",
         caption="By precomputed transport, at the exposure of the truth: its 95th percentile is at "
-        f"80 % of white. The samples are the quartiles of the matte ball's error. {_TONES}",
-        png=encode_png(sheet(rows, heads, labels, side_px=150)),
+        "80 % of white. The samples are the lower and the upper quartile of the matte ball's error "
+        f"of {shown[0].title}. {_TONES}",
+        png=encode_png(sheet(rows, heads, labels, side_px=150, groups=groups)),
         wide=True,
     )
 
@@ -144,8 +146,18 @@ def sheet(
     notes: Sequence[Sequence[str]] | None = None,
     *,
     side_px: int = _SIDE_PX,
+    groups: Sequence[int] = (),
 ) -> Picture:
-    """Pictures in rows, with headings, a label on each row, and a note below each picture."""
+    """Pictures in rows, with headings, a label on each row, and a note below each picture.
+
+    Args:
+        rows: The pictures, as many in each row.
+        heads: Of the columns.
+        labels: Of the rows.
+        notes: Below the pictures.
+        side_px: For the labels.
+        groups: Rows that begin something new: a line is drawn above them.
+    """
     line = _LINE_PX if notes else 0
     step = _CELL_PX + _GAP_PX
     size = (side_px + _GAP_PX + len(heads) * step,
@@ -161,6 +173,8 @@ def sheet(
         top = _HEAD_PX + number * (step + line)
         draw.text((_GAP_PX, top + _CELL_PX // 2), _fitting(draw, labels[number], font, side_px),
                   fill=_INK, font=font, anchor="lm")  # fmt: skip
+        if number and number in groups:
+            draw.line([(0, top - _GAP_PX // 2 - 1), (size[0], top - _GAP_PX // 2 - 1)], fill=_INK)
         for column, picture in enumerate(row):
             left = side_px + _GAP_PX + column * step
             page.paste(_cell(picture), (left, top))
@@ -208,7 +222,8 @@ def _scene(flat: NDArray[np.float32], scene: str, gain: float) -> Picture:
     operator = transport(scene, 64)
     lit = operator.forward(flat) * np.float32(gain) * operator.alpha[..., None]
     paper = np.float32(1) - operator.alpha[..., None]
-    return srgb_encode_u8(np.maximum(lit, 0) + paper)
+    picture = Image.fromarray(srgb_encode_u8(np.maximum(lit, 0) + paper))
+    return np.asarray(picture.resize((_CELL_PX, _CELL_PX), Image.Resampling.BICUBIC))
 
 
 def _at_percentiles(

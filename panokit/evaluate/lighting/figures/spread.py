@@ -117,11 +117,15 @@ def _histogram(
         heights = np.histogram(np.maximum(own, edges[0]), edges)[0] / len(own) * 100
         axis.stairs(heights, edges, color=COLORS[number], lw=1.4,
                     ls=DASHES[number % len(DASHES)], label=entrant.title)  # fmt: skip
-        axis.plot(np.percentile(own, [25, 50, 75]), [-0.6 - 0.55 * number] * 3, "|-",
-                  color=COLORS[number], ms=5, lw=1, clip_on=False)  # fmt: skip
+        axis.plot(np.percentile(own, [25, 50, 75]), [0.035 + 0.045 * number] * 3, "|-",
+                  color=COLORS[number], ms=5, lw=1,
+                  transform=axis.get_xaxis_transform())  # fmt: skip
     if log:
         axis.set_xscale("log")
-    axis.set_ylim(bottom=-0.8 - 0.55 * len(several))
+    highest = axis.get_ylim()[1]
+    room = 0.05 * (len(several) + 1)
+    axis.set_ylim(-highest * room / (1 - room), highest)
+    axis.set_yticks([tick for tick in axis.get_yticks() if 0 <= tick <= highest])
     label(axis, title, "% of samples")
     legend(axis)
     return finished(
