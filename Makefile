@@ -14,7 +14,7 @@ MODEL ?= expand-2
 WORK ?= work
 BIN = $(VENV)/bin
 
-.PHONY: help demo test check test-slow test-browser bench bench-report bench-library bench-peers bench-stitchers bench-qa bench-dataset expansion-table docs clean
+.PHONY: help demo test check test-slow test-browser bench bench-report bench-library bench-peers bench-stitchers bench-qa bench-dataset bench-engine slurm-test expansion-table docs clean
 
 help:
 	@echo "make demo       light probes from the embedded city, with a report (core packages only)"
@@ -28,6 +28,8 @@ help:
 	@echo "make bench-peers  geometry against skylibs, equilib and py360convert"
 	@echo "make bench-dataset  CPU time of dataset samples, and Mitsuba beside Cycles (needs PANOKIT_DATA)"
 	@echo "make bench-qa   how often QA sees deliberate damage (needs PANOKIT_DATA)"
+	@echo "make bench-engine  what engines cost: overhead, idle cores, memory per worker"
+	@echo "make slurm-test a pipeline on a real Slurm with a job killed (needs root and Debian's slurm)"
 	@echo "make bench-stitchers  stitching against OpenCV, OpenStitching, Hugin (needs PANOKIT_DATA)"
 	@echo "make expansion-table  expansion methods on probes none has seen (needs PANOKIT_DATA; hours)"
 	@echo "make docs       the documentation, in docs/_build"
@@ -69,6 +71,14 @@ bench-dataset: $(VENV)/.installed
 
 bench-qa: $(VENV)/.installed
 	$(BIN)/python tests/benchmarks/qa_damage.py $(PANOKIT_DATA)
+
+bench-engine: $(VENV)/.installed
+	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/engine_overhead.py
+
+# Exit code 77: there is no Slurm here, and it said what to install.
+slurm-test: $(VENV)/.installed
+	$(BIN)/pip install --quiet -e ".[slurm]"
+	OMP_NUM_THREADS=1 tests/slurm/run.sh $(CURDIR)/$(BIN)/panokit || test $$? -eq 77
 
 bench-stitchers: $(VENV)/.installed $(STITCHERS)/.installed
 	$(BIN)/python tests/benchmarks/peers/compare_stitching.py $(PANOKIT_DATA) $(STITCHERS)/bin/python

@@ -53,9 +53,9 @@ class Quarantine:
 
     def __init__(self, most_losses: int = 3, most_kills: int = 8) -> None:
         self._most_losses, self._most_kills = most_losses, most_kills
-        self._losses: Counter[str] = Counter()
-        self._kills: Counter[str] = Counter()
-        self._starts: Counter[str] = Counter()
+        self._losses: Counter[tuple[str, str]] = Counter()
+        self._kills: Counter[tuple[str, str]] = Counter()
+        self._starts: Counter[tuple[str, str]] = Counter()
         self._in_a_row = 0
         self._finished = 0
 
@@ -67,10 +67,11 @@ class Quarantine:
                 item after the other ends its worker.
         """
         name, stage = str(getattr(item, "item", item)), str(getattr(item, "stage", ""))
+        who = (stage, name)
         is_kill = loss.reason == "died" and loss.exit_code in (None, -signal.SIGKILL)
         if not loss.has_begun:
-            self._starts[name] += loss.times
-            if self._starts[name] >= (self._most_kills if is_kill else self._most_losses):
+            self._starts[who] += loss.times
+            if self._starts[who] >= (self._most_kills if is_kill else self._most_losses):
                 raise PanokitError(
                     "Worker processes die before they begin (in a script of your own, run this "
                     'below `if __name__ == "__main__":`; else look for a lack of memory). What '
@@ -80,8 +81,8 @@ class Quarantine:
         counts, most = (
             (self._kills, self._most_kills) if is_kill else (self._losses, self._most_losses)
         )
-        counts[name] += loss.times
-        if counts[name] < most:
+        counts[who] += loss.times
+        if counts[who] < most:
             return item
         self._in_a_row = self._in_a_row + 1 if loss.finished == self._finished else 1
         self._finished = loss.finished

@@ -4,6 +4,7 @@ import threading
 import time
 from collections.abc import Callable
 
+from panokit.engine.turns import wait_for_turn
 from panokit.errors import NetworkError
 
 
@@ -21,6 +22,7 @@ class RateLimiter:
     def __init__(
         self, rate_per_s: float, burst: int, clock: Callable[[], float] = time.monotonic
     ) -> None:
+        self._rate_per_s = rate_per_s
         self._interval_s = 1.0 / rate_per_s
         self._burst = burst
         self._clock = clock
@@ -35,6 +37,8 @@ class RateLimiter:
         Raises:
             NetworkError: If `stop` was called.
         """
+        # On a cluster, where other workers may ask the same host; else there is none to wait for.
+        wait_for_turn(host, self._rate_per_s, self._burst, self._stopped)
         turn_s = self._reserve(host)
         while True:
             with self._lock:

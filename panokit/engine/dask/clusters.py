@@ -193,7 +193,7 @@ def _open_local(workers: int, settings: ClusterSettings) -> Cluster:
             n_workers=workers,
             threads_per_worker=1,
             processes=True,
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",  # else a web server for all the network
             memory_limit="auto" if memory is None else int(memory * 1e9),
             silence_logs=logging.CRITICAL,
             security=_security(settings),

@@ -22,7 +22,7 @@ from panokit.errors import PanokitError, Rejection
 
 _LOOK_S = 5.0
 # An item that was on so many lost workers, nobody knows whether as the one to blame, flies alone.
-_MOST_UNSURE = 3
+_MOST_UNSURE = 2
 
 
 @dataclass(slots=True)

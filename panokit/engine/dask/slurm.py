@@ -73,7 +73,7 @@ def start_slurm(workers: int, settings: ClusterSettings, security: Any) -> Any:
         job_extra_directives=list(slurm.directives),
         job_script_prologue=[*_ENVIRONMENT, *slurm.prologue],
         worker_extra_args=_worker_arguments(settings),
-        scheduler_options={"dashboard": False, "dashboard_address": None},
+        scheduler_options={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
         security=security,
         protocol="tls://" if security else "tcp://",
         silence_logs="critical",

@@ -21,7 +21,7 @@ from panokit.errors import PanokitError, StorageError, UsageError
 TOLD = ("begun", "report")
 
 
-class Work(WorkerPlugin):  # type: ignore[misc]
+class Work(WorkerPlugin):
     """Brings a task to each worker once, those that come later included.
 
     A network that the task has loaded stays loaded, as the process does. It caps threads,
@@ -84,7 +84,7 @@ def perform(topic: str, key: str, item: Any) -> tuple[str, Any]:
     tell("begun", worker.address)
     try:
         work = worker.plugins.get(topic)
-        if work is None:
+        if not isinstance(work, Work):
             raise PanokitError(
                 f"The worker {worker.address} could not load the task. Install the same packages "
                 "there as here."
