@@ -154,3 +154,35 @@ def evaluate_together(arrays: list[Any]) -> None:
     import drjit
 
     drjit.eval(*arrays)
+
+
+def differentiable_mitsuba() -> ModuleType:
+    """The `mitsuba` module with a variant that traces errors back to parameters.
+
+    Raises:
+        MissingExtraError: If Mitsuba is not installed, or has only the scalar variant here, for
+            want of a libLLVM.
+    """
+    mitsuba = load_mitsuba()
+    if "_ad_" not in str(mitsuba.variant()):
+        raise MissingExtraError("libLLVM", "render", "Differentiable rendering") from PanokitError(
+            f"Mitsuba runs here as {mitsuba.variant()}, which has no gradients. Install libLLVM 17 "
+            "or newer (Debian: libllvm19)."
+        )
+    return mitsuba
+
+
+def watch_gradient(array: Any) -> None:
+    """Have what is rendered with an array of Mitsuba's tell its gradient by it."""
+    load_mitsuba()
+    import drjit
+
+    drjit.enable_grad(array)
+
+
+def gradient_of(array: Any) -> NDArray[np.float32]:
+    """The gradient that rendering backward has left at an array, in the array's shape."""
+    load_mitsuba()
+    import drjit
+
+    return np.array(drjit.grad(array), np.float32)
