@@ -10,6 +10,8 @@ figures           from scores to lines of the table
 pairs             two methods on the same pictures
 expansion_report  the table, as JSON and Markdown
 calibration       how sure a model that reads light may be
+real              pairs of photographs with measured light, out of published data sets
+rendering         the light that explains both views, the shape known
 settings          of `panokit evaluate expansion`
 """
 
