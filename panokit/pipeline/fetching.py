@@ -69,12 +69,13 @@ def fetch_batch(
         return finished
     with (prepare or nullcontext)(asks) as ready:
         result = _fetch_all(ready, run, console, quota or QuotaSettings())
-    if not any(ask.dry_run for ask in asks) and _is_final(result):
+    if not any(ask.dry_run for ask in asks):
         write_json(
             run.root / _RECORD,
             {
                 "schema": SCHEMA,
                 "key": key,
+                "final": _is_final(result),
                 "captures": [stored.capture.key for stored in _all(result)],
                 "rejections": [rejection.to_json() for rejection in result.rejections],
             },
@@ -88,7 +89,7 @@ def fetch_batch(
 
 
 def recorded_captures(run: RunFolder) -> list[str] | None:
-    """The keys of the captures that a finished fetch stage has, None if none is finished."""
+    """The keys of the captures that the last fetch stage to reach its end had, None if none did."""
     try:
         record: dict[str, Any] = read_json(run.root / _RECORD)
         return list(record["captures"])
@@ -208,7 +209,7 @@ def _finished(run: RunFolder, key: str) -> BatchResult | None:
     """The outcome of an earlier run that was asked for the same, if it is all still there."""
     try:
         record: dict[str, Any] = read_json(run.root / _RECORD)
-        if record["key"] != key:
+        if record["key"] != key or not record["final"]:
             return None
         captures = [read_capture(run.captures / name) for name in record["captures"]]
     except (RecordError, KeyError, TypeError):

@@ -17,6 +17,7 @@ from panokit.pipeline.settings import PipelineSettings
 from panokit.records import RunFolder
 
 _PICTURES = (".jpg", ".exr")
+_ENDINGS = (".mask.png", ".compare", ".json", *_PICTURES)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,12 +97,10 @@ def _captures(run: RunFolder, wanted: set[str]) -> Iterator[Orphan]:
 def _pictures(folder: Path, wanted: set[str]) -> Iterator[Orphan]:
     """Pictures, records and comparisons, by the item that their name begins with."""
     for path in _inside(folder):
-        if path.name.endswith(".part"):
-            continue
-        item = path.name
-        for ending in (".mask.png", ".compare", ".json", *_PICTURES):
-            item = item.removesuffix(ending)
-        if item not in wanted:
+        ending = next((e for e in _ENDINGS if path.name.endswith(e)), "")
+        if not ending:
+            continue  # half written, or somebody's own
+        if path.name.removesuffix(ending) not in wanted:
             yield _orphan(path, "of no capture")
         elif path.suffix in _PICTURES and not record_path(path).exists():
             yield _orphan(path, "without a record")

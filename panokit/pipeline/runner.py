@@ -11,6 +11,7 @@ from typing import Any
 from panokit.console import Console
 from panokit.engine import Engine, make_engine
 from panokit.errors import Rejection, UsageError
+from panokit.io.files import read_json, write_json
 from panokit.io.lock import only_process
 from panokit.ledger import Ledger
 from panokit.pipeline.batch import BatchResult, run_batch
@@ -142,7 +143,23 @@ def _run(
         from panokit.pipeline.reporting import write_run_report
 
         write_run_report(settings, result, seconds)
+    if settings.publish and tuple(stages) == settings.stages():
+        _publish(settings, result, batches, console)
     return result
+
+
+def _publish(
+    settings: PipelineSettings, result: RunResult, batches: Batches, console: Console
+) -> None:
+    """Publish what is new; a run that is finished and published hashes nothing again."""
+    run, record = result.run, result.run.root / "published.json"
+    if result.nothing_to_do and record.exists() and read_json(record)["url"] == settings.publish:
+        return
+    from panokit.pipeline.publishing import publish_run
+
+    sent = publish_run(run, run.root / settings.library, settings.publish, batches, console)
+    write_json(record, {"url": settings.publish})
+    console.note(f"publish: {sent} files sent to {settings.publish}")
 
 
 def _log_models(run: RunFolder, stage: str, batch: BatchResult) -> None:
