@@ -97,7 +97,7 @@ def _robust_mean(
     maps: NDArray[np.float32], trust: NDArray[np.float64]
 ) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
     """The fused map (64, 128, 3), and what each counted for (N, 64, 128)."""
-    logs = np.log(np.maximum(maps, DARKEST)).astype(np.float64)
+    logs = np.log(np.maximum(maps, _floor(maps))).astype(np.float64)
     middle = _weighted_median(logs, trust)
     weights = trust
     for _ in range(_ROUNDS):
@@ -110,6 +110,11 @@ def _robust_mean(
     # Below the floor of the logs the mean of radiance is as good.
     geometric = np.minimum(np.exp(middle), arithmetic)
     return _with_energy(geometric, arithmetic, _energy(maps, weights)), weights
+
+
+def _floor(maps: NDArray[np.float32]) -> float:
+    """What is darker than this is dark: a thousandth of the mean of all."""
+    return DARKEST * max(float(maps.mean()), 1e-20)
 
 
 def _energy(maps: NDArray[np.float32], weights: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -159,7 +164,8 @@ def _confidence(
         return None
     share = weights / weights.sum(axis=0)
     told = (share * errors).sum(axis=0)
-    logs = np.log(np.maximum(maps, DARKEST)) - np.log(np.maximum(fused, DARKEST))
+    floor = _floor(maps)
+    logs = np.log(np.maximum(maps, floor)) - np.log(np.maximum(fused, floor))
     seen = (share * np.abs(logs).mean(axis=-1)).sum(axis=0)
     error = np.maximum(told, seen).reshape(TARGET_PX, TARGET_PX, 2).mean(axis=2)
     return Confidence(
