@@ -35,7 +35,7 @@ class TrainingMaps:
             raise UsageError("There are no training maps. Give the dataset's folder.")
         step = max(1, -(-len(every) // most))
         self.maps = np.stack(every[::step])
-        self.digest = hashlib.sha256(np.ascontiguousarray(self.maps[:, ::4, ::4])).hexdigest()[:16]
+        self.digest = hashlib.sha256(self.maps[:, ::4, ::4].tobytes()).hexdigest()[:16]
         self._flat = np.stack([_coarse_logs(one) for one in self.maps])
         self._squares = (self._flat.astype(np.float64) ** 2).sum(axis=1)
 

@@ -5,7 +5,8 @@ OUT/report.html, report.md, summary.json, figures/*.png and *.pdf, tables/*.csv
 
 import base64
 import struct
-from collections.abc import Callable, Iterable
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,11 +14,13 @@ from typing import Any
 from panokit.evaluate.lighting.figures.drawing import FigureFile
 from panokit.evaluate.lighting.model_tables import all_marks
 from panokit.evaluate.lighting.pack import Pack, make_pack, summary_of
-from panokit.evaluate.lighting.statements import PRIMARY
+from panokit.evaluate.lighting.statements import FAILS, HOLDS, PRIMARY
 from panokit.evaluate.lighting.tables import TextTable
 from panokit.evaluate.lighting.verdicts import Verdict
 from panokit.io.files import write_bytes, write_json
-from panokit.report import (
+from panokit.report.page import write_page
+from panokit.report.pictures import Picture
+from panokit.report.values import (
     Badge,
     Cell,
     Column,
@@ -25,15 +28,17 @@ from panokit.report import (
     Counts,
     Group,
     Page,
-    Picture,
     Pictures,
     Section,
     Table,
     Text,
-    write_page,
+    Tone,
 )
 
-_TONES = {Verdict.REPRODUCED: "good", Verdict.NOT_REPRODUCED: "poor", Verdict.UNDECIDED: "note"}
+_TONES: Mapping[str, Tone] = {
+    str(Verdict.REPRODUCED): "good", HOLDS: "good", str(Verdict.NOT_REPRODUCED): "poor",
+    FAILS: "poor", str(Verdict.UNDECIDED): "note",
+}  # fmt: skip
 # Heading, figures, tables below them, and tables that are folded.
 _PARTS: tuple[tuple[str, tuple[str, ...], tuple[str, ...], tuple[str, ...]], ...] = (
     ("Verdicts", (), ("V",), ("V-2",)),
@@ -123,11 +128,9 @@ def _head(pack: Pack) -> tuple[Section, ...]:
         Count(label="experiments", value=str(len(models))),
         Count(label="trained networks", value=str(sum(len(e.members) for e in models))),
     ]
-    counts += [
-        Count(label=str(verdict), value=str(sum(one.verdict is verdict for one in primary)),
-              tone=_TONES[verdict])  # type: ignore[arg-type]
-        for verdict in Verdict if primary
-    ]  # fmt: skip
+    words = Counter(one.word for one in primary)
+    counts += [Count(label=word, value=str(words[word]), tone=tone)
+               for word, tone in _TONES.items() if words[word]]  # fmt: skip
     head: list[Section] = [Counts(counts=tuple(counts)), Text(paragraphs=tuple(_summary(pack)))]
     if marks := all_marks(outcome):
         head.append(Text(paragraphs=(marks,), tone="note"))
@@ -186,9 +189,7 @@ def _picture(figure: FigureFile) -> Picture:
 
 def _table(pack: Pack, name: str) -> Table:
     table = pack.tables[name]
-    badges: dict[str, Badge] = {}
-    if name in ("V", "V-2"):
-        badges = {str(v): Badge(text=str(v), tone=_TONES[v]) for v in Verdict}  # type: ignore[arg-type]
+    badges = {word: Badge(text=word, tone=tone) for word, tone in _TONES.items()}
     return Table(
         title=f"{table.id}: {table.title}",
         columns=tuple(Column(label=c, numeric=_is_numeric(table, i))

@@ -184,7 +184,7 @@ def verdicts(found: Sequence[Finding]) -> TextTable:
             continue
         rows.append((
             _statement(one) + (f" ({one.size})" if several else ""),
-            str(one.verdict) + (f": {one.why}" if one.why else ""),
+            one.word + (f": {one.why}" if one.why else ""),
             _difference(one), _figure(one.figure), str(one.comparison.n),
             str(one.comparison.places or "–"), str(one.comparison.seeds), said_of(one),
         ))  # fmt: skip
@@ -208,7 +208,7 @@ def secondary(found: Sequence[Finding]) -> TextTable:
     by_pair: dict[tuple[str, str, str], dict[str, str]] = {}
     for one in others:
         pair = one.statement.first, one.statement.second, one.size
-        by_pair.setdefault(pair, {})[_figure(one.figure)] = f"{_difference(one)}, {one.verdict}"
+        by_pair.setdefault(pair, {})[_figure(one.figure)] = f"{_difference(one)}, {one.word}"
     several = len({size for *_, size in by_pair}) > 1
     return TextTable(
         id="V-2",

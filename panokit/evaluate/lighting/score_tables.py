@@ -38,7 +38,7 @@ HEADINGS = {
     "reflectance-dssim": "DSSIM (thesis)",
 }
 _LEAGUE = (
-    PRIMARY, "thesis-dssim", "thesis-mse", "light-vector", "brightest", "relit-diffuse-si-rmse",
+    PRIMARY, "thesis-dssim", "thesis-mse", "light-vector", "relit-diffuse-si-rmse",
     "relit-mirror-si-rmse", "relit-plane-si-rmse",
 )  # fmt: skip
 _ALL = tuple(name for name in HEADINGS if not name.startswith("reflectance"))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import stats
 
 from panokit.evaluate.lighting.outcome import Entrant, Outcome, epochs_to_within
@@ -20,6 +21,7 @@ PRIMARY = "code-ssd"
 SECONDARY = ("thesis-dssim", "relit-diffuse-si-rmse", "light-vector")
 _SECONDARY_OF_REFLECTANCE = ("reflectance-mse", "reflectance-dssim")
 EPOCHS = "epochs"
+HOLDS, FAILS = "holds", "does not hold"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,6 +136,15 @@ class Finding:
     verdict: Verdict
     why: str
 
+    @property
+    def word(self) -> str:
+        """The verdict; of what the thesis never reported there is nothing to reproduce."""
+        if self.statement.number:
+            return str(self.verdict)
+        return {Verdict.REPRODUCED: HOLDS, Verdict.NOT_REPRODUCED: FAILS}.get(
+            self.verdict, str(self.verdict)
+        )
+
     def to_json(self) -> dict[str, object]:
         """A dictionary for `json.dump`."""
         found = self.comparison
@@ -145,7 +156,7 @@ class Finding:
             "n": found.n, "places": found.places, "seeds": found.seeds,
             "mean": round(found.mean, 6), "low": round(found.low, 6),
             "high": round(found.high, 6), "relative": round(found.relative, 6),
-            "verdict": str(self.verdict), "why": self.why,
+            "verdict": self.word, "why": self.why,
         }  # fmt: skip
 
 
@@ -209,7 +220,8 @@ def _scores(
 ) -> Comparison | None:
     """Sample by sample."""
     columns = [[outcome.values(name, figure) for name in side] for side in zip(*pairs, strict=True)]
-    finite = np.isfinite(np.stack([one for side in columns for one in side])).all(axis=0)
+    every = np.stack([one for side in columns for one in side])
+    finite: NDArray[np.bool_] = np.all(np.isfinite(every), axis=0)
     if not finite.any():
         return None
     keys = [key for key, there in zip(outcome.keys, finite, strict=True) if there]

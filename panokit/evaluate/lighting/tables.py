@@ -64,4 +64,4 @@ def interval(mean: float, low: float, high: float) -> str:
 
 def signed(value: float, digits: int = 1) -> str:
     """With its sign, and a minus that is one."""
-    return f"{value:+.{digits}f}".replace("-", "−")
+    return f"{round(value, digits) + 0.0:+.{digits}f}".replace("-", "−")

@@ -79,7 +79,9 @@ def _contact(
 
 def _relit(outcome: Outcome, shown: Sequence[Entrant], keys: Sequence[str]) -> FigureFile:
     """F-C: known scenes in the true light and in the predicted."""
-    rows, labels, groups = [], [], []
+    rows: list[list[Picture]] = []
+    labels: list[str] = []
+    groups: list[int] = []
     for _, key in _at_percentiles(outcome, shown[0], "relit-diffuse-si-rmse", keys)[::2]:
         groups.append(len(rows))
         sample = outcome.kept.sample(key)

@@ -77,13 +77,14 @@ def _bars(outcome: Outcome, name: str, id_: str, title: str, thesis: float | Non
     if thesis is not None:
         axis.axvline(thesis, color=INK, lw=0.8, ls=":")
         axis.text(thesis, len(entrants) - 0.35, " thesis 0.34", fontsize=6.5, color=INK, va="top")
-    label(axis, f"{title}, mean over {len(outcome.keys)} samples")
+    label(axis, title)
     told = "; the dotted line is the thesis's mean on other data" if thesis is not None else ""
     return finished(
         figure,
         id_=id_,
         title=f"{title} of all entrants",
-        caption="Dots are means, lines their 95 % intervals by drawing places anew, small strokes "
+        caption=f"{len(outcome.keys)} samples. Dots are means, lines their 95 % intervals by "
+        "drawing places anew, small strokes "
         "single seeds. Blue: stereo; green: reflectance maps; orange: panokit; gray: no training"
         f"{told}. Lower is better.",
     )
@@ -127,7 +128,7 @@ def _histogram(
     axis.set_ylim(-highest * room / (1 - room), highest)
     axis.set_yticks([tick for tick in axis.get_yticks() if 0 <= tick <= highest])
     label(axis, title, "% of samples")
-    legend(axis)
+    legend(axis, loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
     return finished(
         figure,
         id_=id_,
