@@ -4,6 +4,7 @@ import shutil
 import time
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from panokit.dataset.production.spool import Spool
 from panokit.dataset.sample import sample_key
 from panokit.dataset.storage.index import index_shards, indexed_digest, shards_digest, write_index
 from panokit.dataset.storage.layout import LOCK, DatasetFolder, plan_shards
-from panokit.engine import Engine, LocalEngine, SerialEngine
+from panokit.engine import Engine, make_engine
 from panokit.errors import SettingsError
 from panokit.io.files import read_json
 from panokit.io.lock import only_process
@@ -110,9 +111,9 @@ def render_dataset(
         with console.stage(STAGE, left, unit="samples") as tick:
             progress = Progress(failures=folder.failures, seed_of=maker.seed_of, tick=tick)
             task = ShardTask(maker=maker, spool=spool)
-            engine = _engine(production, shard_samples, progress, run, console)
-            for outcome in engine.run(task, waiting):
-                run.log("shard", shard=outcome.item)
+            with closing(_engine(production, shard_samples, progress, run, console)) as engine:
+                for outcome in engine.run(task, waiting):
+                    run.log("shard", shard=outcome.item)
         result = _result(folder, items, progress, time.monotonic() - started)
         run.log(
             "ended", made=result.made, seconds=round(result.seconds, 1),
@@ -186,10 +187,10 @@ def _engine(
     run: RunFolder,
     console: Console,
 ) -> Engine:
-    if production.workers == 0:
-        return SerialEngine(on_report=progress.hear)
-    return LocalEngine(
+    return make_engine(
+        "serial" if production.workers == 0 else production.engine,
         production.workers,
+        production.cluster,
         items_per_worker=max(1, _SAMPLES_PER_WORKER // shard_samples),
         silence_s=production.timeout_s,
         on_report=progress.hear,

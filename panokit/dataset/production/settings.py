@@ -2,6 +2,7 @@
 
 from pydantic import Field
 
+from panokit.engine.settings import ClusterSettings, EngineName
 from panokit.settings import Settings
 
 
@@ -16,6 +17,13 @@ class ProductionSettings(Settings):
 
     workers: int | None = Field(default=None, ge=0)
     """Processes; one for each core if not given, none but this one if 0."""
+
+    engine: EngineName = "local"
+    """Where they run: local, serial, dask, slurm, or the tcp:// or tls:// address of a Dask
+    scheduler."""
+
+    cluster: ClusterSettings = ClusterSettings()
+    """What Dask and Slurm need to know."""
 
     timeout_s: float = Field(default=300.0, gt=0)
     """A worker that takes longer over one attempt is replaced."""
