@@ -20,7 +20,7 @@ from panokit.lazy import lazy_names
 if TYPE_CHECKING:
     from panokit.report.entries import light_map
     from panokit.report.layers import Layer, layer_width_px, photo_layer, radiance_layer
-    from panokit.report.page import render_page, write_page
+    from panokit.report.page import render_page, render_viewer, write_page
     from panokit.report.pictures import Picture, picture
     from panokit.report.plain import sections_of
     from panokit.report.values import (
@@ -78,6 +78,7 @@ __getattr__, __dir__, __all__ = lazy_names(
         "picture": "panokit.report.pictures",
         "radiance_layer": "panokit.report.layers",
         "render_page": "panokit.report.page",
+        "render_viewer": "panokit.report.page",
         "sections_of": "panokit.report.plain",
         "write_page": "panokit.report.page",
     },

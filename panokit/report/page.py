@@ -36,6 +36,9 @@ _SCRIPTS = (
     "main.js",
 )
 _STYLES = ("report.css", "gallery.css", "viewer.css", "print.css")
+# One map alone, for a frame in another page.
+_LONE_SCRIPTS = (*_SCRIPTS[:-2], "lone.js")
+_LONE_STYLES = ("report.css", "viewer.css", "lone.css")
 _FEWEST_CONTENTS = 3
 _LEGEND_WORDS = (
     f"Legend: from dark blue, {-LOWEST_STOP} stops below the median, to dark red, "
@@ -71,7 +74,7 @@ def render_page(page: Page) -> str:
     titles = [section.title for section in page.sections]
     places = _anchors("part", titles)
     contents = [(title, place) for title, place in zip(titles, places, strict=True) if title]
-    style, script = _asset_text(_STYLES), _script()
+    style, script = _asset_text(_STYLES), _script(_SCRIPTS)
     return (
         _environment()
         .get_template("page.html.j2")
@@ -85,6 +88,32 @@ def render_page(page: Page) -> str:
             places=places,
             contents=contents if len(contents) >= _FEWEST_CONTENTS else [],
             entries=entries,
+            blocks=_blocks(entries),
+            data=_data(entries, anchors),
+            legend_ticks=_legend_ticks(),
+            legend_words=_LEGEND_WORDS,
+        )
+    )
+
+
+def render_viewer(entry: MapEntry) -> str:
+    """The HTML of one map alone, open in the viewer: for a frame in another page.
+
+    Raises:
+        UsageError: If the map has no layers.
+    """
+    entries = _entries(Page(title=entry.name, head=(Gallery(entries=(entry,)),)))
+    anchors = {entry.name: "map-alone"}
+    style, script = _asset_text(_LONE_STYLES), _script(_LONE_SCRIPTS)
+    return (
+        _environment()
+        .get_template("lone.html.j2")
+        .render(
+            entry=entry,
+            anchor=anchors[entry.name],
+            policy=_policy(style, script),
+            style=Markup(style),
+            script=Markup(script),
             blocks=_blocks(entries),
             data=_data(entries, anchors),
             legend_ticks=_legend_ticks(),
@@ -206,13 +235,13 @@ def _digest(text: str) -> str:
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
 
 
-@lru_cache(maxsize=1)
-def _script() -> str:
-    """All scripts in a scope of their own."""
-    return f'(() => {{\n"use strict";\n{_asset_text(_SCRIPTS)}}})();'
-
-
 @lru_cache(maxsize=2)
+def _script(names: tuple[str, ...]) -> str:
+    """All scripts in a scope of their own."""
+    return f'(() => {{\n"use strict";\n{_asset_text(names)}}})();'
+
+
+@lru_cache(maxsize=4)
 def _asset_text(names: tuple[str, ...]) -> str:
     folder = Path(__file__).parent / "assets"
     return "\n".join((folder / name).read_text(encoding="utf-8") for name in names)
