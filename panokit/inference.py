@@ -65,7 +65,8 @@ class Session:
 
     Args:
         path: Of the .onnx file.
-        threads: For one run. The result does not depend on it beyond rounding.
+        threads: For one run, at most as many as OMP_NUM_THREADS says, which is one in the workers
+            of an engine. The result does not depend on it beyond rounding.
         device: "auto", "cpu" or "cuda", see `providers_for`.
 
     Raises:
@@ -75,7 +76,7 @@ class Session:
     def __init__(self, path: Path, *, threads: int = DEFAULT_THREADS, device: str = "auto") -> None:
         providers = providers_for(device, available_providers())
         options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = threads
+        options.intra_op_num_threads = _most_threads(threads)
         options.inter_op_num_threads = 1
         options.log_severity_level = 3
         try:
@@ -150,3 +151,9 @@ class Session:
                     "input for NaN, and the file with: panokit models verify"
                 )
         return dict(zip(self.outputs, results, strict=True))
+
+
+def _most_threads(threads: int) -> int:
+    """So many threads, or as few as OMP_NUM_THREADS allows, where ONNX Runtime does not look."""
+    allowed = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0].strip()
+    return min(threads, max(1, int(allowed))) if allowed.isdigit() else threads

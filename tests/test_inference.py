@@ -104,3 +104,12 @@ def test_nothing_is_reported_to_anybody(tmp_path):
         [sys.executable, "-c", code], check=True, env=environment | {"HOME": str(tmp_path)}
     )
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+
+
+@pytest.mark.parametrize(("said", "expected"), [("", 2), ("1", 1), ("8,2", 2), ("0", 1)])
+def test_a_network_computes_with_no_more_threads_than_its_process_may(
+    monkeypatch: pytest.MonkeyPatch, said: str, expected: int
+):
+    monkeypatch.setenv("OMP_NUM_THREADS", said)
+    session = Session(find_model("expand-1").folder / "components.onnx", threads=2)
+    assert session._session.get_session_options().intra_op_num_threads == expected

@@ -34,7 +34,7 @@ from panokit.io.pictures import (
 )
 from panokit.panorama import Panorama
 from panokit.provenance import digest_of
-from panokit.records import Receipt, stage_key
+from panokit.records import Receipt, is_complete, stage_key
 from panokit.settings import Settings
 from panokit.stitch.settings import VERSION as STITCH_VERSION
 from panokit.stitch.settings import StitchSettings
@@ -84,7 +84,9 @@ def run_task(task: StageTask) -> Outcome:
 def _run(task: StageTask) -> Receipt:
     started, cpu_started = time.monotonic(), time.process_time()
     key = task.key()
-    values = _WORK[task.stage](task, key)
+    # A worker that was lost right after it wrote the record: its item is run again.
+    is_done = is_complete(task.target, key)
+    values = {} if is_done else _WORK[task.stage](task, key)
     return Receipt(
         item=task.item,
         stage=task.stage,
