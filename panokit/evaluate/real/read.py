@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from panokit.color import srgb_encode_u8
 from panokit.dataset.photograph import metered_exposure
-from panokit.errors import ImageError, UsageError
+from panokit.errors import ImageError, Rejection, UsageError
 from panokit.evaluate.lighting.sample import StereoSample
 from panokit.evaluate.real.objects_with_lighting import scenes_of as objects_with_lighting
 from panokit.evaluate.real.pairs import RealPair, find_pairs
@@ -33,11 +33,15 @@ KINDS: Mapping[str, Callable[[Path], Iterator[RealScene]]] = {
 
 
 def read_pairs(
-    folder: Path, kind: str, settings: PairSettings | None = None
+    folder: Path,
+    kind: str,
+    settings: PairSettings | None = None,
+    *,
+    on_reject: Callable[[Rejection], None] | None = None,
 ) -> Iterator[StereoSample]:
     """Pairs of photographs nearly side by side, with the light that was measured there.
 
-    A pair whose object cannot be cut out is left out. `meta` says of each what it was made from,
+    A pair whose object cannot be cut out is a rejection. `meta` says of each what it was made from,
     whether its light has the scale of its pictures (`scale_known`), and of the background whether
     it is "filled" behind the object or "unknown".
 
@@ -45,6 +49,7 @@ def read_pairs(
         folder: As published.
         kind: "stanford-orb" or "objects-with-lighting".
         settings: Which pairs, and how large.
+        on_reject: Told of each pair that cannot be used.
 
     Yields:
         Samples, numbered from 0; normals are 0 where the data set has none.
@@ -60,7 +65,10 @@ def read_pairs(
         for pair in find_pairs(scene, settings):
             try:
                 yield sample_of_pair(scene, pair, settings, number, kind)
-            except ImageError:
+            except ImageError as error:
+                if on_reject is not None:
+                    item = f"{scene.object}/{scene.place}/{pair.left.name}"
+                    on_reject(Rejection.from_error(item, "pairs", error))
                 continue
             number += 1
 

@@ -173,3 +173,14 @@ def test_a_damaged_file_is_named(tmp_path):
     path.write_text("1 2 3")
     with pytest.raises(RecordError, match="world_to_env"):
         next(read_pairs(root, "objects-with-lighting"))
+
+
+def test_a_pair_without_its_object_is_a_rejection(tmp_path):
+    root = lookalikes.objects_with_lighting(tmp_path)
+    mask = root / "dataset/ball/garden/inputs/mask_0001.png"
+    lookalikes.write_png(mask, np.zeros((128, 192), np.uint8))
+    told = []
+    found = list(read_pairs(root, "objects-with-lighting", SETTINGS, on_reject=told.append))
+    assert [one.reason for one in told] == ["blank-mask", "blank-mask"]
+    assert found == []
+    assert told[0].item == "ball/garden/0000"
