@@ -1,0 +1,190 @@
+"""From a click to two snapshots: select, follow, and stop when the object has moved far enough."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from panokit.equirectangular import read_only
+from panokit.errors import ItemError
+from panokit.lighting.select import Box, Mask, Selection, box_of, flood, select_object
+from panokit.lighting.settings import SelectSettings, SessionSettings
+from panokit.lighting.snapshots import Snapshot, StereoPair, stereo_pair
+from panokit.lighting.track import Track, TrackedFrame, follow
+from panokit.lighting.video import Frames, Picture
+
+# A mask that is filled anew counts if it overlaps the first one, moved along, this much.
+_SAME_MASK = 0.6
+# With less of the motion that was asked for, the views say nothing of shape.
+_LEAST_OF_SHIFT = 0.5
+_AROUND = 0.5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Click:
+    """A click on an object, in pixels of a frame."""
+
+    column: float
+    row: float
+    frame: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FoundPair:
+    """What came of a click.
+
+    Attributes:
+        pair: The two views.
+        track: Where the object went between them.
+    """
+
+    pair: StereoPair
+    track: Track
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """All that is to be minded, a sentence each."""
+        return (*self.track.warnings, *self.pair.warnings)
+
+
+def find_pair(
+    frames: Frames,
+    click: Click,
+    settings: SessionSettings | None = None,
+    *,
+    on_frame: Callable[[TrackedFrame], None] | None = None,
+) -> FoundPair:
+    """Two views of the object that was clicked, as far apart as a network knows.
+
+    Args:
+        frames: To look at; read from the click's on, no further than need be.
+        click: On the object.
+        settings: How.
+        on_frame: Called with where the object is, frame by frame.
+
+    Raises:
+        UsageError: If there is no such frame, or the click is beside it.
+        ImageError: If the click is on the background, or a frame cannot be read.
+        ItemError: If the object never moves far enough sideways (`reason` "no-parallax").
+    """
+    settings = settings or SessionSettings()
+    picture = frames.frame(click.frame)
+    selection = select_object(picture, (click.column, click.row), settings.select)
+    first = Snapshot(number=click.frame, picture=picture, selection=selection)
+    return pair_of(frames, first, settings, on_frame=on_frame)
+
+
+def pair_of(
+    frames: Frames,
+    first: Snapshot,
+    settings: SessionSettings | None = None,
+    *,
+    on_frame: Callable[[TrackedFrame], None] | None = None,
+) -> FoundPair:
+    """The same from a first snapshot, whose mask may have been corrected by hand.
+
+    Raises:
+        ItemError: If the object never moves far enough sideways (`reason` "no-parallax").
+    """
+    settings = settings or SessionSettings()
+    start = first.selection.box
+    wanted = settings.snapshot.shift
+    seen: list[TrackedFrame] = []
+    best: tuple[float, TrackedFrame, Picture] | None = None
+    steps = follow(frames, first.selection, first.number, settings.track, settings.select)
+    for one, picture in steps:
+        seen.append(one)
+        if on_frame is not None:
+            on_frame(one)
+        if one.state == "lost" or one.number == first.number:
+            continue
+        moved = abs(one.box.center[0] - start.center[0]) / start.longest
+        if best is None or abs(moved - wanted) < abs(best[0] - wanted):
+            best = (moved, one, picture)
+        if moved >= wanted:
+            break
+    track = Track(frames=tuple(seen))
+    if best is None or best[0] < _LEAST_OF_SHIFT * wanted:
+        raise _no_motion(best[0] if best else 0.0, wanted, track)
+    _, found, picture = best
+    second = selection_at(picture, found.box, first.selection, settings.select)
+    pair = stereo_pair(
+        first,
+        Snapshot(number=found.number, picture=picture, selection=second),
+        settings.snapshot,
+    )
+    return FoundPair(pair=pair, track=track)
+
+
+def selection_at(
+    picture: Picture, box: Box, before: Selection, settings: SelectSettings | None = None
+) -> Selection:
+    """The object in another frame, where it was followed to.
+
+    Filled anew from where in the box was clicked; if that runs out or stays small, the mask of
+    before, moved along.
+    """
+    moved = _moved(before, box)
+    if before.tolerance <= 0 or not moved.any():
+        return _as_selection(moved, before, box)
+    width, height = picture.shape[1], picture.shape[0]
+    left = int(np.clip(box.x - _AROUND * box.width, 0, width - 1))
+    top = int(np.clip(box.y - _AROUND * box.height, 0, height - 1))
+    right = int(np.clip(np.ceil(box.x + (1 + _AROUND) * box.width), left + 1, width))
+    bottom = int(np.clip(np.ceil(box.y + (1 + _AROUND) * box.height), top + 1, height))
+    seed = _seed_in(before, box)
+    inside = (
+        float(np.clip(seed[0] - left, 0, right - left - 1)),
+        float(np.clip(seed[1] - top, 0, bottom - top - 1)),
+    )
+    asked = (settings or SelectSettings()).model_copy(update={"tolerance": before.tolerance})
+    part = flood(np.ascontiguousarray(picture[top:bottom, left:right]), inside, asked)
+    mask = np.zeros((height, width), bool)
+    mask[top:bottom, left:right] = part.mask
+    shared, whole = float((mask & moved).sum()), float((mask | moved).sum())
+    if shared < _SAME_MASK * whole:
+        return _as_selection(moved, before, box)
+    return Selection(mask=read_only(mask), box=box_of(mask), seed=seed, tolerance=before.tolerance)
+
+
+def _moved(before: Selection, box: Box) -> Mask:
+    """The mask of before, laid into a box."""
+    scale_x = box.width / max(before.box.width, 1e-6)
+    scale_y = box.height / max(before.box.height, 1e-6)
+    matrix = np.array(
+        [
+            [scale_x, 0, box.x - scale_x * before.box.x],
+            [0, scale_y, box.y - scale_y * before.box.y],
+        ]
+    )
+    height, width = before.mask.shape
+    values = before.mask.astype(np.float32)
+    laid = cv2.warpAffine(values, matrix, (width, height), flags=cv2.INTER_LINEAR)
+    return np.asarray(laid >= 0.5)
+
+
+def _as_selection(mask: Mask, before: Selection, box: Box) -> Selection:
+    return Selection(
+        mask=read_only(mask), box=box_of(mask) if mask.any() else box,
+        seed=_seed_in(before, box), tolerance=before.tolerance,
+    )  # fmt: skip
+
+
+def _seed_in(before: Selection, box: Box) -> tuple[float, float]:
+    """Where in another box the click would be."""
+    across = (before.seed[0] - before.box.x) / max(before.box.width, 1e-6)
+    down = (before.seed[1] - before.box.y) / max(before.box.height, 1e-6)
+    return box.x + across * box.width, box.y + down * box.height
+
+
+def _no_motion(moved: float, wanted: float, track: Track) -> ItemError:
+    last = track.frames[-1].number if track.frames else 0
+    lost = f" {' '.join(track.warnings)}" if track.losses else ""
+    return ItemError(
+        f"The object moved sideways by {moved:.0%} of its size up to frame {last}; {wanted:.0%} "
+        "are needed for a second view. Move the camera sideways past the object, or click it in an "
+        f"earlier frame.{lost}",
+        reason="lost" if lost else "no-parallax",
+        values={"moved": moved, "wanted": wanted, "last": last},
+    )
