@@ -6,13 +6,12 @@ are those of `panokit.pipeline.costs`. They are estimates, and say so.
 
 import math
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from panokit.engine import available_cores
-from panokit.errors import UsageError
 from panokit.fetch.prices import price_of
 from panokit.fetch.settings import FetchSettings
 from panokit.fetch.where import total_wanted
@@ -21,8 +20,12 @@ from panokit.pipeline.costs import (
     COSTS,
     MEASURED,
     SAMPLE_COSTS,
+    SCORE_BYTES,
+    SCORE_CPU_S,
+    TRAIN_BYTES,
     TRAIN_INPUT_PX,
     TRAIN_SAMPLE_CPU_S,
+    TRAIN_START_CPU_S,
     TRAIN_WIDTH,
     StageCost,
     at_width,
@@ -30,12 +33,19 @@ from panokit.pipeline.costs import (
 from panokit.pipeline.references import references_folder
 from panokit.pipeline.runner import stages_up_to
 from panokit.pipeline.serving import served_asks
-from panokit.pipeline.settings import PipelineSettings
+from panokit.pipeline.settings import (
+    MODEL_STAGES,
+    DatasetStage,
+    EvaluateStage,
+    PipelineSettings,
+)
 from panokit.records import RunFolder
 
 # A search brings about so many pictures of a place; what is too near is passed over.
 _FOUND_PER_SEARCH = 20
 _GOOGLE_WIDTH_PX, _TILE_PX = 16384, 512
+# Where stitch sets no limit; services have hardly any wider ones.
+_WIDEST_PX = 16384
 # Stages that work item by item on the engine's workers; the others have one process.
 _PARALLEL = ("stitch", "inpaint", "expand", "dataset")
 
@@ -214,36 +224,55 @@ def _stage_plan(
 def _items_and_cost(
     stage: str, settings: PipelineSettings, panoramas: int | None
 ) -> tuple[int | None, StageCost]:
-    cost = COSTS[stage]
+    """How many items a stage has, and what one costs."""
+    if stage in MODEL_STAGES:
+        return _MODELS[stage](settings)
     if stage in ("expand", "probes"):
-        return panoramas, at_width(cost, settings.expand.width_px)
-    if stage == "references":
-        own = references_folder(settings.references) is None
-        return settings.references.rendered if own else 0, cost
-    if settings.dataset is None or stage not in ("dataset", "train", "evaluate"):
-        width = min(max(ask.width_px for ask in settings.asks()), 8192)
-        return panoramas, at_width(cost, width)
-    arms, samples = len(settings.dataset.arms), settings.dataset.count
-    if stage == "dataset":
-        rig = settings.dataset.settings.rig
-        one = at_width(SAMPLE_COSTS[settings.dataset.settings.renderer], rig.width_px)
-        return arms, StageCost(cpu_s=one.cpu_s * samples, bytes=one.bytes * samples, unit="dataset")
-    if settings.train is None:
-        raise UsageError("This pipeline has no table train.")
-    if stage == "train":
-        network = settings.train.network
-        size = (network.input_px / TRAIN_INPUT_PX) ** 2 * (network.width / TRAIN_WIDTH) ** 2
-        share = 1 - (
-            settings.dataset.settings.validation_share + settings.dataset.settings.test_share
-        )
-        seen = settings.train.schedule.epochs * samples * share
-        cpu_s = 6.0 + TRAIN_SAMPLE_CPU_S * seen * size
-        return arms, StageCost(cpu_s=cpu_s, bytes=cost.bytes, unit=cost.unit)
-    tested = samples * settings.dataset.settings.test_share
-    asked = settings.evaluate.count if settings.evaluate else 0
-    return 1, StageCost(
-        cpu_s=cost.cpu_s * min(asked or tested, tested) * arms, bytes=1e5, unit="table"
-    )
+        return panoramas, at_width(COSTS[stage], settings.expand.width_px)
+    width = max(ask.width_px for ask in settings.asks())
+    if stage != "fetch":
+        width = min(width, settings.stitch.width_px or _WIDEST_PX)
+    return panoramas, at_width(COSTS[stage], width)
+
+
+def _references(settings: PipelineSettings) -> tuple[int, StageCost]:
+    own = references_folder(settings.references) is None
+    return settings.references.rendered if own else 0, COSTS["references"]
+
+
+def _dataset(settings: PipelineSettings) -> tuple[int, StageCost]:
+    asked = settings.dataset or DatasetStage()
+    one = at_width(SAMPLE_COSTS[asked.settings.renderer], asked.settings.rig.width_px)
+    cpu_s, size = one.cpu_s * asked.count, one.bytes * asked.count
+    return len(asked.arms), StageCost(unit="dataset", cpu_s=cpu_s, bytes=size)
+
+
+def _train(settings: PipelineSettings) -> tuple[int, StageCost]:
+    asked, recipe = settings.dataset or DatasetStage(), settings.train
+    if recipe is None:
+        return 0, StageCost(unit="model")
+    share = 1 - asked.settings.validation_share - asked.settings.test_share
+    seen = recipe.schedule.epochs * asked.count * share
+    network = recipe.network
+    size = (network.input_px / TRAIN_INPUT_PX) ** 2 * (network.width / TRAIN_WIDTH) ** 2
+    cpu_s = TRAIN_START_CPU_S + TRAIN_SAMPLE_CPU_S * seen * size
+    return len(asked.arms), StageCost(unit="model", cpu_s=cpu_s, bytes=TRAIN_BYTES)
+
+
+def _evaluate(settings: PipelineSettings) -> tuple[int, StageCost]:
+    asked, judged = settings.dataset or DatasetStage(), settings.evaluate or EvaluateStage()
+    samples = asked.count * asked.settings.test_share
+    samples = min(judged.count, samples) if judged.count else samples
+    scores = samples * (len(asked.arms) + (2 if judged.baselines else 0))
+    return 1, StageCost(unit="table", cpu_s=SCORE_CPU_S * scores, bytes=SCORE_BYTES * scores)
+
+
+_MODELS: dict[str, Callable[[PipelineSettings], tuple[int, StageCost]]] = {
+    "references": _references,
+    "dataset": _dataset,
+    "train": _train,
+    "evaluate": _evaluate,
+}
 
 
 def _free_bytes(folder: Path) -> int:

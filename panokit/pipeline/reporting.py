@@ -17,7 +17,8 @@ from panokit.ledger import Ledger
 from panokit.pipeline.batch import BatchResult
 from panokit.pipeline.settings import PipelineSettings
 from panokit.records import RunFolder
-from panokit.report import (
+from panokit.report.page import write_page
+from panokit.report.values import (
     Badge,
     Cell,
     Column,
@@ -27,9 +28,8 @@ from panokit.report import (
     Section,
     Table,
     Text,
-    format_figure,
-    write_page,
 )
+from panokit.report.wording import format_figure
 
 if TYPE_CHECKING:
     from panokit.pipeline.runner import RunResult
@@ -116,7 +116,8 @@ def _expand_values(path: Path) -> Mapping[str, Any] | None:
         steps = read_json(record_path(path))["provenance"]
     except (RecordError, KeyError, TypeError):
         return None
-    values = next((s["values"] for s in reversed(steps) if s.get("stage") == "expand"), {})
+    own = (step for step in reversed(steps) if step.get("stage") == "expand")
+    values: Mapping[str, Any] = next((step["values"] for step in own), {})
     return values if "energy_before" in values and "energy_after" in values else None
 
 
