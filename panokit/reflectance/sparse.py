@@ -11,6 +11,7 @@ This is the reference: simple and exact. `panokit.networks` has the same for bat
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -91,55 +92,141 @@ def sparse_reflectance(
         hits = np.bincount(cell, minlength=cells).astype(np.int32)
         found = _by_rule(rule, cell, pixel, cosine, colors, light, hits)
         return _as_map(found, hits, width_px)
-    # From dark to bright, and of equal ones from last to first: the last that is written wins.
-    order = np.arange(len(own))[::-1]
-    order = order[np.argsort(light[order], kind="stable")]
-    best = np.full(cells, -1, np.int64)
-    hits = np.zeros(cells, np.int64)
-    for cell, place, _ in _within_gate(own[order], width_px, gate_deg):
-        brightest = np.full(cells, -1, np.int64)
-        brightest[cell] = place
-        np.maximum(best, brightest, out=best)
-        hits += np.bincount(cell, minlength=cells)
+    best, hits = brightest_pixels(light, own, width_px=width_px, gate_deg=gate_deg)
     found = np.zeros((cells, 3), np.float32)
-    found[best >= 0] = colors[order[best[best >= 0]]]
-    return _as_map(found, hits.astype(np.int32), width_px)
+    found[best >= 0] = colors[best[best >= 0]]
+    return _as_map(found, hits, width_px)
 
 
-def _within_gate(
-    own: NDArray[np.float32], width_px: int, gate_deg: float
-) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]]:
-    """For each offset the (cell, place in `own`, cosine) of what lies within the gate."""
+def brightest_pixels(
+    light: NDArray[np.float64],
+    own: NDArray[np.float32],
+    *,
+    width_px: int = 64,
+    gate_deg: float = GATE_DEG,
+) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """Which pixel each cell takes its color from by `Rule.BRIGHTEST`.
+
+    Args:
+        light: (N,), how bright the pixels are.
+        own: (N, 3), their normals.
+        width_px: Of the map.
+        gate_deg: How far a pixel's normal may be from a cell's.
+
+    Returns:
+        (W * W,) the pixel's number, or -1 where a cell is empty; (W * W,) hits.
+    """
+    order = _from_dark_to_bright(light)
+    grid = _grid_of(width_px, gate_deg)
+    best = np.full(grid.size, -1, np.int64)
+    hits = np.zeros(grid.size, np.int64)
+    count = grid.size - grid.last
+    for shift, home, place, _ in _within_gate(own[order], grid):
+        # Of what is written to one place, the last stays: the brightest.
+        brightest = np.full(count, -1, np.int64)
+        brightest[home] = place
+        there = slice(shift, shift + count)
+        np.maximum(best[there], brightest, out=best[there])
+        hits[there] += np.bincount(home, minlength=count)
+    best, hits = best[grid.cells], hits[grid.cells]
+    return np.where(best >= 0, order[best], -1) if len(order) else best, hits.astype(np.int32)
+
+
+def _from_dark_to_bright(light: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The order of pixels by their light, and of equal ones from last to first.
+
+    Two sorts of plain numbers take less than one that is stable.
+    """
+    order = np.argsort(light)
+    ranked = light[order]
+    group = np.concatenate([[0], np.cumsum(ranked[1:] != ranked[:-1])])[: len(light)]
+    return -np.sort(group * len(light) - order) % max(len(light), 1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Grid:
+    """The cells' normals with a margin around them, row by row.
+
+    Attributes:
+        width: Cells in a row of the map.
+        wide: Cells in a row, margins included.
+        x, y, z: (size,), the normals; zero where there is none, which no normal is near to.
+        shifts: From a pixel's own cell, less the margin, to each cell within its reach.
+        last: The largest of the shifts.
+        cells: (W * W,), where the map's cells are.
+        least: The cosine at the edge of the gate.
+    """
+
+    width: int
+    wide: int
+    x: NDArray[np.float32]
+    y: NDArray[np.float32]
+    z: NDArray[np.float32]
+    shifts: tuple[int, ...]
+    last: int
+    cells: NDArray[np.int64]
+    least: np.float32
+
+    @property
+    def size(self) -> int:
+        """How many cells there are, margins included."""
+        return len(self.x)
+
+
+@lru_cache(maxsize=8)
+def _grid_of(width_px: int, gate_deg: float) -> _Grid:
     grid, inside = hemisphere_normals(width_px)
     reach = reach_in_cells(gate_deg, width_px)
     margin = max(abs(row) for row, _ in reach)
     wide = width_px + 2 * margin
-    # Around the picture, and beyond the circle, lies what no normal is near to.
-    padded = np.zeros((wide, wide, 3), np.float32)
-    padded[..., 2] = -2.0
+    padded = np.zeros((3, wide, wide), np.float32)
     middle = slice(margin, margin + width_px)
-    padded[middle, middle][inside] = grid[inside]
-    table = np.ascontiguousarray(padded.reshape(-1, 3).T)
-    numbers = np.zeros((wide, wide), np.int64)
-    numbers[middle, middle] = np.arange(width_px**2).reshape(width_px, width_px)
-    number = numbers.reshape(-1)
-    x, y, z = np.ascontiguousarray(own.T)
-    column = np.clip(((x + 1) * (width_px / 2)).astype(np.int64), 0, width_px - 1)
-    row = np.clip(((1 - y) * (width_px / 2)).astype(np.int64), 0, width_px - 1)
-    base = (row + margin) * wide + column + margin
+    padded[:, middle, middle][:, inside] = grid[inside].T
+    x, y, z = padded.reshape(3, -1)
+    shifts = tuple((margin + row) * wide + margin + column for row, column in reach)
+    cells = np.arange(wide * wide).reshape(wide, wide)[middle, middle].reshape(-1)
     least = np.float32(np.cos(np.deg2rad(gate_deg)))
-    for down, right in reach:
-        there = base + (down * wide + right)
-        cosine = x * table[0][there] + y * table[1][there] + z * table[2][there]
-        near = np.flatnonzero(cosine > least)
-        yield number[there[near]], near, cosine[near]
+    return _Grid(width=width_px, wide=wide, x=x, y=y, z=z, shifts=shifts, last=max(shifts),
+                 cells=cells, least=least)  # fmt: skip
+
+
+def _within_gate(
+    own: NDArray[np.float32], grid: _Grid
+) -> Iterator[tuple[int, NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]]:
+    """For each shift: itself, and home, place in `own` and cosine of what lies within the gate.
+
+    The cell that a pixel then counts for is its home plus the shift.
+    """
+    x, y, z = np.ascontiguousarray(own.T)
+    half = grid.width / 2
+    column = np.clip(((x + 1) * half).astype(np.int64), 0, grid.width - 1)
+    row = np.clip(((1 - y) * half).astype(np.int64), 0, grid.width - 1)
+    home = row * grid.wide + column
+    cosine, part = np.empty_like(x), np.empty_like(x)
+    for shift in grid.shifts:
+        # In this order, as the torch twin does: its sums are rounded alike.
+        np.take(grid.x[shift:], home, out=cosine, mode="clip")
+        cosine *= x
+        for of_cell, of_pixel in ((grid.y, y), (grid.z, z)):
+            np.take(of_cell[shift:], home, out=part, mode="clip")
+            part *= of_pixel
+            cosine += part
+        near = np.flatnonzero(cosine > grid.least)
+        yield shift, home[near], near, cosine
 
 
 def _pairs(
     own: NDArray[np.float32], width_px: int, gate_deg: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
     """All (cell, pixel, cosine) within the gate."""
-    cells, pixels, cosines = zip(*_within_gate(own, width_px, gate_deg), strict=True)
+    grid = _grid_of(width_px, gate_deg)
+    number = np.zeros(grid.size, np.int64)
+    number[grid.cells] = np.arange(width_px * width_px)
+    found = [
+        (number[home + shift], near, cosine[near])
+        for shift, home, near, cosine in _within_gate(own, grid)
+    ]
+    cells, pixels, cosines = zip(*found, strict=True)
     return np.concatenate(cells), np.concatenate(pixels), np.concatenate(cosines)
 
 

@@ -118,3 +118,19 @@ def test_bad_input_is_named():
         sparse_reflectance(good, good, mask, gate_deg=0)
     with pytest.raises(UsageError, match="finite"):
         sparse_reflectance(good * np.nan, good, mask)
+
+
+def test_normals_that_look_away_count_for_no_cell_that_they_cannot_reach():
+    """With a wide gate: not for cells beyond the circle, and not for the corner."""
+    rng = np.random.default_rng(0)
+    normals = rng.normal(0, 1, (60, 60, 3))
+    normals[..., 2] = -np.abs(normals[..., 2])
+    normals = (normals / np.linalg.norm(normals, axis=-1, keepdims=True)).astype(np.float32)
+    picture, mask = np.ones((60, 60, 3), np.float32), np.ones((60, 60), bool)
+    found = sparse_reflectance(picture, normals, mask, width_px=16, gate_deg=30.0)
+    _, inside = hemisphere_normals(16)
+    assert not found.hits[~inside].any()
+    assert found.hits[inside].any()
+    backward = np.broadcast_to(np.float32([0, 0, -1]), (4, 4, 3))
+    alone = sparse_reflectance(picture[:4, :4], backward, mask[:4, :4], width_px=16)
+    assert not alone.hits.any()

@@ -1,19 +1,23 @@
 """The torch twin of `panokit.reflectance.sparse`: sparse reflectance maps for whole batches.
 
 Equal to the numpy reference in colors and hits, for its rule "brightest", and fast enough to
-run inside training. Pixels are ranked by luminance; each raises the rank of the cells within
-its gate, one shift of the grid after the other.
+run inside training. Which pixel a cell takes its color from has no gradient; its color has. On
+processors the reference finds the pixels, several samples at a time. On graphics processors
+pixels are ranked by luminance; each raises the rank of the cells within its gate, one shift of
+the grid after the other.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from panokit.color.luminance import REC709_LUMINANCE
 from panokit.reflectance.grid import hemisphere_normals, reach_in_cells
-from panokit.reflectance.sparse import GATE_DEG
+from panokit.reflectance.sparse import GATE_DEG, brightest_pixels
 
 
 def sparse_reflectance(
@@ -37,15 +41,48 @@ def sparse_reflectance(
         Colors (B, 3, width, width), zero where a cell is empty, and hits (B, width, width)
         int64.
     """
-    batch = pictures.shape[0]
-    device = pictures.device
+    sample, place = masks.flatten(1).nonzero(as_tuple=True)
+    own = normals.flatten(2).permute(0, 2, 1)[sample, place].float()
+    colors = pictures.flatten(2).permute(0, 2, 1)[sample, place]
+    find = _by_reference if pictures.device.type == "cpu" else _by_shifts
+    best, hits = find(colors.detach(), own.detach(), sample, len(pictures), width_px, gate_deg)
+    filled = best >= 0
+    found = pictures.new_zeros((len(best), 3))
+    found[filled] = colors[best[filled]]
+    found = found.view(-1, width_px, width_px, 3).permute(0, 3, 1, 2)
+    return found, hits.view(-1, width_px, width_px)
+
+
+def _by_reference(
+    colors: Tensor, own: Tensor, sample: Tensor, batch: int, width_px: int, gate_deg: float
+) -> tuple[Tensor, Tensor]:
+    """The pixel of each cell of each sample, or -1, and the hits; samples side by side."""
+    light = _luminance(colors).numpy()
+    counts = np.bincount(sample.numpy(), minlength=batch)
+    first = np.concatenate([[0], np.cumsum(counts)])
+
+    def find(number: int) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+        part = slice(first[number], first[number + 1])
+        best, hits = brightest_pixels(
+            light[part], own[part].numpy(), width_px=width_px, gate_deg=gate_deg
+        )
+        return np.where(best >= 0, best + first[number], -1), hits
+
+    with ThreadPoolExecutor(torch.get_num_threads()) as pool:
+        found = list(pool.map(find, range(batch)))
+    best, hits = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return torch.from_numpy(best), torch.from_numpy(hits).long()
+
+
+def _by_shifts(
+    colors: Tensor, own: Tensor, sample: Tensor, batch: int, width_px: int, gate_deg: float
+) -> tuple[Tensor, Tensor]:
+    """The same for all samples at once, on any device."""
+    device = colors.device
     table, number, margin, offsets = _tables(width_px, gate_deg)
     table, number = table.to(device), number.to(device)
     wide = width_px + 2 * margin
     cells = width_px * width_px
-    sample, place = masks.flatten(1).nonzero(as_tuple=True)
-    own = normals.flatten(2).permute(0, 2, 1)[sample, place].float()
-    colors = pictures.flatten(2).permute(0, 2, 1)[sample, place]
     rank, by_rank = _ranks(colors)
     x, y, z = own.unbind(dim=1)
     column = ((x + 1) * (width_px / 2)).long().clamp_(0, width_px - 1)
@@ -64,10 +101,8 @@ def sparse_reflectance(
         best.scatter_reduce_(0, cell, rank[near], reduce="amax")
         hits.scatter_add_(0, cell, torch.ones_like(cell))
     filled = best >= 0
-    found = pictures.new_zeros((batch * cells, 3))
-    found[filled] = colors[by_rank[best[filled]]]
-    found = found.view(batch, width_px, width_px, 3).permute(0, 3, 1, 2)
-    return found, hits.view(batch, width_px, width_px)
+    best[filled] = by_rank[best[filled]]
+    return best, hits
 
 
 def _ranks(colors: Tensor) -> tuple[Tensor, Tensor]:
@@ -76,14 +111,18 @@ def _ranks(colors: Tensor) -> tuple[Tensor, Tensor]:
     Returns:
         Rank of each pixel, and the pixel of each rank.
     """
-    # In double precision, as the reference: rounding must not decide which pixel is brighter.
-    weights = torch.tensor(REC709_LUMINANCE.tolist(), dtype=torch.float64, device=colors.device)
-    light = colors.double() @ weights
+    light = _luminance(colors)
     backward = torch.arange(len(light) - 1, -1, -1, device=light.device)
     by_rank = backward[light[backward].argsort(stable=True)]
     rank = torch.empty_like(by_rank)
     rank[by_rank] = torch.arange(len(light), device=light.device)
     return rank, by_rank
+
+
+def _luminance(colors: Tensor) -> Tensor:
+    """In double precision, as the reference: rounding must not decide which pixel is brighter."""
+    weights = torch.tensor(REC709_LUMINANCE.tolist(), dtype=torch.float64, device=colors.device)
+    return colors.double() @ weights
 
 
 @lru_cache(maxsize=8)
@@ -94,8 +133,7 @@ def _tables(width_px: int, gate_deg: float) -> tuple[Tensor, Tensor, int, list[t
     margin = max(abs(row) for row, _ in offsets)
     wide = width_px + 2 * margin
     middle = slice(margin, margin + width_px)
-    padded = np.zeros((wide, wide, 3), np.float32)
-    padded[..., 2] = -2.0  # what no normal is near to
+    padded = np.zeros((wide, wide, 3), np.float32)  # no normal is near to zero
     padded[middle, middle][inside] = grid[inside]
     number = np.zeros((wide, wide), np.int64)
     number[middle, middle] = np.arange(width_px**2).reshape(width_px, width_px)

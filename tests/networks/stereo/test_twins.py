@@ -6,15 +6,19 @@ import pytest
 torch = pytest.importorskip("torch")
 
 from panokit.color.hdr_coding import ColorCode, HdrCoding  # noqa: E402
-from panokit.networks.stereo.coding import decode  # noqa: E402
+from panokit.networks.stereo import sparse  # noqa: E402
+from panokit.networks.stereo.coding import decode, encode  # noqa: E402
 from panokit.networks.stereo.sparse import sparse_reflectance  # noqa: E402
 from panokit.reflectance import sparse_reflectance as reference  # noqa: E402
 
 pytestmark = pytest.mark.train
 
 
+@pytest.mark.parametrize("is_on_cpu", [True, False])
 @pytest.mark.parametrize("gate_deg", [2.0, 5.0, 15.0])
-def test_maps_and_hits_are_those_of_the_reference(gate_deg):
+def test_maps_and_hits_are_those_of_the_reference(gate_deg, is_on_cpu, monkeypatch):
+    if not is_on_cpu:  # what graphics processors do, without one
+        monkeypatch.setattr(sparse, "_by_reference", sparse._by_shifts)
     rng = np.random.default_rng(4)
     normals = rng.normal(0, 1, (3, 40, 40, 3))
     normals[1, :20] = normals[1, 0, 0]  # a flat face: many equal normals
@@ -55,3 +59,21 @@ def test_codes_are_decoded_alike(color):
     np.testing.assert_allclose(
         found.permute(0, 2, 3, 1).numpy(), coding.decode(code), rtol=1e-5, atol=1e-5
     )
+
+
+@pytest.mark.parametrize("color", list(ColorCode))
+def test_radiance_is_coded_alike(color):
+    coding = HdrCoding(brightest=500.0, color=color)
+    radiance = np.random.default_rng(0).lognormal(0, 2, (2, 8, 8, 3))
+    radiance[0, 0] = 0
+    found = encode(torch.from_numpy(radiance).permute(0, 3, 1, 2), coding)
+    np.testing.assert_allclose(
+        found.permute(0, 2, 3, 1).numpy(), coding.encode(radiance), rtol=1e-5, atol=1e-5
+    )
+
+
+@pytest.mark.parametrize("color", list(ColorCode))
+def test_darkness_has_a_code_with_a_finite_gradient(color):
+    radiance = torch.zeros(1, 3, 2, 2, requires_grad=True)
+    encode(radiance, HdrCoding(color=color)).sum().backward()
+    assert torch.isfinite(radiance.grad).all()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.dataset.tiny import tiny_members
+from tests.train.stereo.rendered import render_small
 
 
 @pytest.fixture(scope="session")
