@@ -114,6 +114,7 @@ def fake_sample(seed: int, index: int, attempt: int, split: str) -> Sample:
         "exposure": 1.0,
         "exposure_stops": float(rng.normal(0, 0.5)),
         "yaw_deg": float(rng.uniform(0, 360)),
+        "baseline_m": 0.2,
         "materials": [{"roughness": float(rng.random()), "metallic": 0.0, "texture": False}],
         "object": {
             "id": f"{split}-chair-{number}",
@@ -126,6 +127,7 @@ def fake_sample(seed: int, index: int, attempt: int, split: str) -> Sample:
             "id": f"{split}-map-{number}",
             "place": f"{split}-place-{number // 2}",
             "kind": "native" if number else "lifted",
+            "category": "indoor_lamps",
             "license": "CC-BY-4.0",
             "attribution": f"Photographer {number}",
             "sha256": f"{split}-map-{number}",

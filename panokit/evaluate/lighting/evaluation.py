@@ -15,7 +15,7 @@ from typing import Any
 
 from panokit.console import Console
 from panokit.dataset.storage.read import StereoDataset
-from panokit.errors import RecordError
+from panokit.errors import ModelError, RecordError
 from panokit.evaluate.lighting.baselines import TrainingMaps
 from panokit.evaluate.lighting.dataset_facts import describe_dataset
 from panokit.evaluate.lighting.models import ModelFacts, find_models
@@ -74,7 +74,7 @@ def evaluate(
     """
     settings = settings or LightingEvaluation()
     console = console or Console(quiet=True)
-    models = find_models(named)
+    models, judged = _predictors(named, console)
     samples = Samples(data, split, settings.count)
     description = describe_dataset(data, split)
     write_json(out / DATASET, description)
@@ -83,7 +83,6 @@ def evaluate(
     seen = {facts.name: facts.seen(test_places) for facts in models}
     write_models(out, models, seen)
     training = _training_maps(data, settings.training_maps, console)
-    judged: list[LightingPredictor] = [NetworkPredictor(facts) for facts in models]
     if with_baselines:
         judged += baselines(training)
     with console.stage("evaluate", len(samples), unit="samples") as tick:
@@ -93,6 +92,24 @@ def evaluate(
     if with_speed:
         _measure(out, models, console)
     return Evaluation(models=tuple(models), results=results, seen=seen)
+
+
+def _predictors(
+    named: Sequence[str], console: Console
+) -> tuple[list[ModelFacts], list[LightingPredictor]]:
+    """The models that can be run. One in a folder of many that cannot is told of and left out."""
+    models: list[ModelFacts] = []
+    judged: list[LightingPredictor] = []
+    alone = {Path(name).resolve() for name in named}
+    for facts in find_models(named):
+        try:
+            judged.append(NetworkPredictor(facts))
+            models.append(facts)
+        except ModelError as error:
+            if facts.folder.resolve() in alone:
+                raise
+            console.note(f"{facts.name} is left out: {error}")
+    return models, judged
 
 
 def _training_maps(data: Path, most: int, console: Console) -> TrainingMaps:

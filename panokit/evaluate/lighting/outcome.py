@@ -103,6 +103,7 @@ class Outcome:
         )
         self._by_predictor: dict[tuple[str, str], dict[str, Result]] = {}
         self._digests: dict[str, str] = {}
+        self._values: dict[tuple[str, str, str], Values] = {}
         for result in read_results(folder):
             own = self._by_predictor.setdefault((result.predictor, result.control), {})
             own[result.key] = result
@@ -188,11 +189,15 @@ class Outcome:
         return self._digests[predictor]
 
     def values(self, predictor: str, figure: str, control: str = "") -> Values:
-        """(N,) a figure of each of `keys`, NaN where there is none."""
-        rows = self._by_predictor.get((predictor, control), {})
-        return np.array(
-            [rows[key].scores.get(figure, np.nan) if key in rows else np.nan for key in self.keys]
-        )
+        """(N,) a figure of each of `keys`, NaN where there is none; read-only."""
+        what = predictor, figure, control
+        if what not in self._values:
+            rows = self._by_predictor.get((predictor, control), {})
+            found = [rows[key].scores.get(figure, np.nan) if key in rows else np.nan
+                     for key in self.keys]  # fmt: skip
+            self._values[what] = np.array(found, np.float64)
+            self._values[what].setflags(write=False)
+        return self._values[what]
 
     def scores(self, entrant: Entrant, figure: str, control: str = "") -> Values:
         """(N,) the mean over seeds, NaN where none has it."""

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.errors import ModelError
 from panokit.evaluate.lighting.background import BackgroundExtrapolation
 from panokit.evaluate.lighting.baselines import (
     AmbientColor,
@@ -66,6 +67,12 @@ class NetworkPredictor:
         self.name = name or self.facts.name
         self.digest = self.facts.digest
         self.network = LightNetwork(self.facts.folder)
+        batches = {shape[0] for shape in self.network.session.input_shapes}
+        if not batches <= {1, None}:
+            raise ModelError(
+                f"{self.facts.folder} takes batches of {batches} alone, which is not how light is "
+                "read. Release it again with a free batch."
+            )
 
     def predict(self, sample: StereoSample) -> NDArray[np.float32]:
         """(64, 64, 3): light, or for networks that predict reflectance a dense map of it."""
