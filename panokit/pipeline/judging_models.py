@@ -16,9 +16,12 @@ from panokit.records import Receipt, RunFolder, stage_key
 if TYPE_CHECKING:
     from panokit.evaluate.lighting.predictors import LightingPredictor
     from panokit.evaluate.lighting.run import Result
+    from panokit.evaluate.lighting.verdicts import Verdict
 
-VERSION = "1"
+VERSION = "2"
 SPLIT = "test"
+# Intervals are over places; of fewer they promise what they cannot keep.
+FEWEST_PLACES, TOO_FEW = 10, "too few places"
 
 
 def evaluate_arms(
@@ -100,31 +103,31 @@ def _figures(
         for name, own in by_name.items()
     }
     place_of = {result.key: result.place for result in results}
-    verdicts = []
+    comparisons = []
     arms = [name for name in ("augmented", "references") if name in by_name]
     for first, second in combinations(arms, 2):
         one, other = (
             {r.key: r.scores[asked.figure] for r in by_name[name]} for name in (first, second)
         )
         found = compare([one], [other], place_of)
-        verdicts.append(
-            {
-                "first": first, "second": second, "figure": asked.figure,
-                "mean": round(found.mean, 5), "low": round(found.low, 5),
-                "high": round(found.high, 5), "relative": round(found.relative, 5),
-                "verdict": {"reproduced": "better", "not reproduced": "worse"}.get(
-                    str(found.verdict), str(found.verdict)
-                ),
-            }
-        )  # fmt: skip
+        told = {n: round(getattr(found, n), 5) for n in ("mean", "low", "high", "relative")}
+        verdict = _in_words(found.verdict) if found.places >= FEWEST_PLACES else TOO_FEW
+        comparisons.append(
+            {"first": first, "second": second, "figure": asked.figure, **told, "verdict": verdict}
+        )
     return {
         "figure": asked.figure,
         "models": list(models),
         "samples": len({r.key for r in results}),
         "places": len(set(place_of.values())),
         "scores": scores,
-        "comparisons": verdicts,
+        "comparisons": comparisons,
     }
+
+
+def _in_words(verdict: "Verdict") -> str:
+    """What the interval says of the first of two."""
+    return {"reproduced": "better", "not reproduced": "worse"}.get(str(verdict), "undecided")
 
 
 def _mean(values: Sequence[float]) -> float | None:

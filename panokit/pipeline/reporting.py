@@ -15,6 +15,7 @@ from panokit.io.files import read_json, write_json
 from panokit.io.pictures import record_path
 from panokit.ledger import Ledger
 from panokit.pipeline.batch import BatchResult
+from panokit.pipeline.judging_models import FEWEST_PLACES
 from panokit.pipeline.settings import PipelineSettings
 from panokit.records import RunFolder
 from panokit.report.page import write_page
@@ -36,11 +37,9 @@ if TYPE_CHECKING:
 
 SCHEMA = "panokit.timings/1"
 _SHOWN_REJECTIONS = 200
+_ARMS = ("references", "augmented")
 # What of all figures a reader sees first.
-_FIGURES = (
-    "relit-diffuse-si-rmse", "relit-glossy-0.3-si-rmse", "relit-plane-si-rmse", "si-rmse",
-    "rgb-angular", "irradiance-mean", "thesis-dssim-log",
-)  # fmt: skip
+_FIGURES = ("relit-diffuse-si-rmse", "relit-glossy-0.3-si-rmse", "si-rmse", "rgb-angular")
 
 
 def write_run_report(
@@ -270,7 +269,7 @@ def _score_table(values: Mapping[str, Any]) -> Table:
             *(Cell(text="–" if own[f] is None else format_figure(own[f] or 0.0), sort=own[f])
               for f in figures),
         )
-        for predictor, own in scores.items()
+        for predictor, own in sorted(scores.items(), key=lambda pair: pair[0] not in _ARMS)
     ]  # fmt: skip
     return Table(
         title="Models on held-out places",
@@ -301,8 +300,9 @@ def _comparisons(values: Mapping[str, Any]) -> list[Section]:
                     Count(label="95 % interval over places",
                           value=f"{format_figure(one['low'])} to {format_figure(one['high'])}"),
                 ),
-                note="Below zero, the first is better. With few places and one training of each, "
-                "an interval that holds zero decides nothing.",
+                note="Below zero, the first is better. The interval is over places: with fewer "
+                f"than {FEWEST_PLACES}, or where it holds zero, nothing is decided; and it says "
+                "nothing of how much another training of the same recipe would differ.",
             )
         )  # fmt: skip
     return told

@@ -3,7 +3,9 @@
 import pytest
 
 from panokit.console import Console
-from panokit.pipeline.fetching import fetch_batch, fetch_into
+from panokit.errors import QuotaError, Rejection
+from panokit.pipeline.fetching import fetch_batch, fetch_into, recorded_captures
+from panokit.pipeline.settings import QuotaSettings
 from panokit.records import RunFolder
 from tests.fetch.conftest import panoramax, pictures, server  # noqa: F401 (fixtures)
 
@@ -58,3 +60,51 @@ def test_the_credits_are_those_of_all_pictures_of_the_run(server, run):  # noqa:
         fetch_into(panoramax(server, places=(), pictures=(name,)), run, quiet())
     sheet = (run.root / "ATTRIBUTION.md").read_text()
     assert "panoramax-pano-3328, panoramax-pano-5376" in sheet
+
+
+def test_progress_does_not_count_what_another_picture_took_the_place_of(
+    server,  # noqa: F811
+    run,
+    capsys,
+    monkeypatch,
+):
+    """A picture that cannot be had is replaced: it is no step toward the number that is wanted."""
+    from panokit.fetch.transfer import Transfer
+
+    outcomes = Transfer.outcomes
+    refused = Rejection(item="panoramax-x", stage="fetch", reason="retired", message="gone")
+
+    def with_a_bad_one(self, candidates, missing):
+        yield refused
+        yield from outcomes(self, candidates, missing)
+
+    monkeypatch.setattr(Transfer, "outcomes", with_a_bad_one)
+    end = {"name": "End", "latitude_deg": 48.503, "longitude_deg": 7.7, "radius_m": 50}
+    result = fetch_into(panoramax(server, places=(end,), count=1), run, Console())
+    assert len(result.stored) == 1
+    assert [one.reason for one in result.rejections] == ["retired"]
+    told = capsys.readouterr().err
+    assert "fetch: 1 of 1" in told
+    assert "2 of 1" not in told
+
+
+def test_areas_share_one_quota(server, run):  # noqa: F811
+    end = {"name": "End", "latitude_deg": 48.503, "longitude_deg": 7.7, "radius_m": 50}
+    one = panoramax(server, places=(end,), count=1)
+    other = panoramax(server, places=(), pictures=("pano-3328", "pano-5376"))
+    with pytest.raises(QuotaError, match="budget"):
+        fetch_batch((one, other), run, quiet(), quota=QuotaSettings(max_requests=2))
+    assert recorded_captures(run) is None
+    batch = fetch_batch((one, other), run, quiet(), quota=QuotaSettings(max_requests=20))
+    assert len(batch.receipts) >= 2
+    asked = len(server.requests)
+    assert not any(r.fresh for r in fetch_batch((one, other), run, quiet()).receipts)
+    assert len(server.requests) == asked
+
+
+def test_pictures_of_other_licenses_are_passed_over(server, run):  # noqa: F811
+    end = {"name": "End", "latitude_deg": 48.503, "longitude_deg": 7.7, "radius_m": 50}
+    none = panoramax(server, places=(end,), count=2, licenses=("MIT",))
+    nothing = fetch_into(none, run, quiet())
+    assert nothing.stored == ()
+    assert nothing.passed_over["other-license"] > 0
