@@ -164,7 +164,7 @@ def read_facts(folder: Path) -> ModelFacts:
             materials=int(spec.get("materials", 1)),
             noise_deg=float(noise),
             smooth_px=float(spec.get("smooth_px", _SMOOTH_PX if noise else 0.0)),
-            coding=HdrCoding.from_json(spec["coding"]),
+            coding=HdrCoding.from_json(spec["coding"]) if "coding" in spec else HdrCoding(),
             converged=training.get("converged"),
             samples=training.get("samples"),
             steps=training.get("steps"),
