@@ -1,4 +1,6 @@
-"""What belongs to one open tab: its folder, its files, and what it may fetch; no tab sees another's.
+"""What belongs to one open tab: its folder, its files, and what it may fetch.
+
+No tab sees another's.
 
 A tab's address holds a random token. What is published under it has a random name too, so that
 pages can be told to fetch it, and everything goes when the tab is closed.
@@ -66,9 +68,7 @@ class Desk:
         if key:
             self.withdraw(key)
         name = f"{key}.{secrets.token_urlsafe(9)}" if key else secrets.token_urlsafe(12)
-        self.published[name] = Published(
-            content=content, media_type=media_type, filename=filename
-        )
+        self.published[name] = Published(content=content, media_type=media_type, filename=filename)
         return f"/desk/{self.token}/thing/{name}"
 
     def withdraw(self, key: str) -> None:

@@ -132,9 +132,7 @@ def expand_picture(source: Path, out: Path, settings: ExpandSettings) -> Expande
     """
     target = out / f"{source.stem}.{settings.model}.exr"
     values = _ran(
-        StageTask(
-            stage="expand", item=source.stem, source=source, target=target, settings=settings
-        )
+        StageTask(stage="expand", item=source.stem, source=source, target=target, settings=settings)
     )
     return Expanded(path=target, model=settings.model, values=dict(values))
 
@@ -173,7 +171,8 @@ def write_forms(path: Path, name: str, form: str, out: Path) -> tuple[Path, ...]
         write_environment_map(envmap, out / f"{name}.{ending}")
         return (out / f"{name}.{'json' if form == 'record' else ending}",)
     return tuple(
-        out / one for one in export_map(envmap, name, out, ExportSettings.model_validate({"to": form}))
+        out / one
+        for one in export_map(envmap, name, out, ExportSettings.model_validate({"to": form}))
     )
 
 

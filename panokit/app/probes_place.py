@@ -1,3 +1,218 @@
-"""Stub."""
+"""Probe library: a gallery with filters, one probe at a time, selections and exports."""
+
+from collections.abc import Awaitable, Callable, Sequence
+from pathlib import Path
+
+from nicegui import ui
+
+from panokit.app import browsing
+from panokit.app.desks import Desk
+from panokit.app.probe_export import ProbeExport
+from panokit.app.probe_page import ProbePage
+from panokit.app.progress import Progress
+from panokit.app.settings import AppSettings
+from panokit.app.widgets import (
+    badge,
+    box,
+    button,
+    check,
+    choice,
+    fold,
+    image,
+    say,
+    text_field,
+    words,
+)
+from panokit.app.work import Work, in_words
+from panokit.errors import PanokitError
+from panokit.probes.entry import Entry
+
+_MORE = 48
+_ANY = {"": "any"}
+_YES_NO = {"": "any", "yes": "yes", "no": "no"}
+_KINDS = {"": "any", "native": "captured", "lifted": "lifted", "synthetic": "rendered"}
+_VERDICTS = {"": "any", "pass": "pass", "fail": "fail"}
+
+
 class ProbesPlace:
-    def __init__(self, *a): ...
+    """One tab's view of it."""
+
+    def __init__(self, settings: AppSettings, desk: Desk, work: Work) -> None:
+        self.desk, self.work = desk, work
+        self.library: Path | None = settings.library
+        self.typed: dict[str, str] = {}
+        self.entries: tuple[Entry, ...] = ()
+        self.selected: dict[str, str] = {}
+        self._shown = _MORE
+        words("h1", "Probe library")
+        words(
+            "p",
+            "HDR light maps with what is known of each: what QA says, where it is from, and what "
+            "its license permits.",
+            "lead",
+        )
+        self._where = box("panel library-path")
+        with self._where:
+            text_field(
+                "The library's folder on this machine",
+                str(settings.library or ""),
+                self._open,
+                placeholder="/data/probes; Enter opens it",
+            )
+        self._progress = Progress()
+        self._filters = box()
+        self.page = ProbePage(self)
+        self.export = ProbeExport(self)
+        self._bar = box()
+        self._gallery = box("gallery-place")
+        with self._bar:
+            self._count = words("p", "", "gallery-count").props('role="status"')
+        self._bar.set_visibility(False)
+        if self.library is not None:
+            ui.timer(0.05, self._begin, once=True)
+
+    async def _open(self, text: str) -> None:
+        self.library = Path(text.strip()).expanduser() if text.strip() else None
+        await self._begin()
+
+    async def _begin(self) -> None:
+        """Another library."""
+        self.typed, self.selected, self.entries = {}, {}, ()
+        for place in (self._filters, self._gallery):
+            place.clear()
+        self.page.close()
+        self.export.show()
+        self._bar.set_visibility(False)
+        if self.library is None:
+            return
+        library = self.library
+        self.desk.pictures["preview"] = lambda id: browsing.preview(library, id)
+
+        async def work() -> None:
+            options = await self.work.in_thread(browsing.options_of, library)
+            with self._filters:
+                self._form(options)
+            await self._find()
+
+        await self._progress.run(work, "Opening the library")
+
+    def _form(self, options: dict[str, list[str]]) -> None:
+        def take(name: str) -> Callable[[str], Awaitable[None]]:
+            async def taken(text: str) -> None:
+                self.typed[name] = str(text)
+                self._shown = _MORE
+                await self._again()
+
+            return taken
+
+        def of(name: str) -> dict[str, str]:
+            return _ANY | {one: one.replace("_", " ") for one in options[name]}
+
+        with box("filters", "search").props('aria-label="Which probes"'):
+            text_field("Name", "", take("name"), placeholder="a part of it", kind="search")
+            choice("Category", of("category"), "", take("category"))
+            choice("Kind", _KINDS, "", take("kind"))
+            choice("QA", _VERDICTS, "", take("verdict"))
+            choice("Sun in it", _YES_NO, "", take("has_sun"))
+            choice("May train models", _YES_NO, "", take("trainable"))
+        with fold("More filters"), box("filters"):
+            choice("License", of("license"), "", take("license"))
+            choice("Provider", of("provider"), "", take("provider"))
+            choice("Place", of("place"), "", take("place"))
+            text_field("Taken from", "", take("date_from"), kind="date")
+            text_field("Taken to", "", take("date_to"), kind="date")
+            text_field("Least range, stops", "", take("dynamic_range_min_stops"), kind="number")
+            text_field("Most plausibility", "", take("plausibility_max"), kind="number")
+            text_field("Tags", "", take("tags"), placeholder="forest, dawn")
+            text_field("Box", "", take("bbox"), placeholder="west, south, east, north")
+            choice("May make works", _YES_NO, "", take("derivable"))
+            choice("May keep copies", _YES_NO, "", take("storable"))
+
+    async def _again(self) -> None:
+        if self._progress.busy:
+            return
+        await self._progress.run(self._find, "Looking")
+
+    async def _find(self) -> None:
+        if self.library is None:
+            return
+        while True:
+            typed = dict(self.typed)
+            self.entries, total = await self.work.in_thread(browsing.find, self.library, typed)
+            if typed == self.typed:
+                break
+        self._bar.set_visibility(True)
+        shown = len(self.entries)
+        said = f"{shown} probes" if shown == total else f"{shown} of {total} probes"
+        if total == 0:
+            said = f"The library is empty. Add maps with: panokit probes add {self.library} MAP..."
+        elif shown == 0:
+            said = f"None of the {total} probes passes. Ask for less."
+        say(self._count, said)
+        self._show(self.entries[: self._shown])
+        self.export.show()
+
+    def _show(self, entries: Sequence[Entry]) -> None:
+        self._gallery.clear()
+        with self._gallery:
+            with box("cards", "ul"):
+                for entry in entries:
+                    self._card(entry)
+            left = len(self.entries) - len(entries)
+            if left > 0:
+                with box("bar-row"):
+                    button(f"Show {min(left, _MORE)} more of {left}", self._more)
+
+    def _more(self) -> None:
+        self._shown += _MORE
+        self._show(self.entries[: self._shown])
+
+    def _card(self, entry: Entry) -> None:
+        with box("card", "li"):
+            with box("card-open", "button") as opened:
+                opened.props.update({"type": "button", "aria-label": f"Open {entry.name}"})
+                image(
+                    f"/desk/{self.desk.token}/picture/preview/{entry.id}",
+                    f"{entry.name}, tone mapped",
+                )
+            opened.on("click", lambda _: self.page.open(entry.id), [])
+            with box("card-words"):
+                words("h3", entry.name)
+                with box("card-line"):
+                    badge(f"QA {entry.verdict}", entry.verdict)
+                    words("span", self._line(entry), "small quiet-text")
+                self._tick(entry)
+
+    @staticmethod
+    def _line(entry: Entry) -> str:
+        stops = entry.dynamic_range_stops
+        parts = (
+            entry.category.replace("_", " "),
+            "" if stops is None else f"{stops:.1f} stops",
+            "sun" if entry.has_sun else "",
+            entry.license if entry.license != "unknown" else "license not known",
+        )
+        return " · ".join(part for part in parts if part)
+
+    def _tick(self, entry: Entry) -> None:
+        def ticked(on: bool) -> None:
+            if on:
+                self.selected[entry.id] = entry.name
+            else:
+                self.selected.pop(entry.id, None)
+            self.export.show()
+
+        check("Selected", value=entry.id in self.selected, take=ticked).props["aria-label"] = (
+            f"Select {entry.name}"
+        )
+
+    def select(self, ids: Sequence[str]) -> None:
+        """Tick these probes, and no others."""
+        names = {entry.id: entry.name for entry in self.entries}
+        self.selected = {id: names.get(id, id) for id in ids}
+        self._show(self.entries[: self._shown])
+        self.export.show()
+
+    def fail(self, error: PanokitError) -> None:
+        """Tell what went wrong."""
+        self._progress.fail(in_words(error))

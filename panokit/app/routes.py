@@ -8,7 +8,7 @@ from fastapi import FastAPI, Request
 from fastapi.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.requests import ClientDisconnect
 
-from panokit.app.desks import Desk, Desks
+from panokit.app.desks import Desk, Desks, Published
 from panokit.app.uploads import PICTURES, VIDEOS
 from panokit.app.work import Work, in_words
 from panokit.errors import PanokitError
@@ -26,18 +26,7 @@ def add_routes(api: FastAPI, desks: Desks, work: Work) -> None:
     def thing(token: str, name: str) -> Response:
         desk = desks.find(token)
         published = desk and desk.published.get(name)
-        if not published:
-            return PlainTextResponse(_GONE, status_code=404)
-        if isinstance(published.content, Path):
-            return FileResponse(
-                published.content,
-                media_type=published.media_type,
-                filename=published.filename or None,
-            )
-        headers = dict(_KEPT)
-        if published.filename:
-            headers["content-disposition"] = f'attachment; filename="{published.filename}"'
-        return Response(published.content, media_type=published.media_type, headers=headers)
+        return _sent(published) if published else PlainTextResponse(_GONE, status_code=404)
 
     @api.get("/desk/{token}/picture/{kind}/{name}")
     async def picture(token: str, kind: str, name: str) -> Response:
@@ -61,14 +50,25 @@ def add_routes(api: FastAPI, desks: Desks, work: Work) -> None:
         if desk is None or kind not in _ACCEPTED:
             return JSONResponse({"error": _GONE}, status_code=404)
         try:
-            path = await desk.inbox.receive(
-                name, _chunks(request), _ACCEPTED[kind], batch=batch
-            )
+            path = await desk.inbox.receive(name, _chunks(request), _ACCEPTED[kind], batch=batch)
         except ClientDisconnect:
             return JSONResponse({"error": "The upload was interrupted."}, status_code=400)
         except PanokitError as error:
             return JSONResponse({"error": in_words(error)}, status_code=400)
         return JSONResponse({"file": str(path.relative_to(desk.inbox.folder))})
+
+
+def _sent(published: Published) -> Response:
+    if isinstance(published.content, Path):
+        return FileResponse(
+            published.content,
+            media_type=published.media_type,
+            filename=published.filename or None,
+        )
+    headers = dict(_KEPT)
+    if published.filename:
+        headers["content-disposition"] = f'attachment; filename="{published.filename}"'
+    return Response(published.content, media_type=published.media_type, headers=headers)
 
 
 def uploaded(desk: Desk, file: Any) -> Path:

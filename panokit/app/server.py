@@ -139,9 +139,7 @@ def listen(port: int) -> socket.socket:
     )
 
 
-def _announce(
-    server: object, address: str, say: Callable[[str], None], show: bool
-) -> None:
+def _announce(server: object, address: str, say: Callable[[str], None], show: bool) -> None:
     while not getattr(server, "started", False):
         if getattr(server, "should_exit", False):
             return

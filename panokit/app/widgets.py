@@ -183,3 +183,11 @@ def map_frame(address: str, title: str) -> Element:
     made = ui.element("iframe").classes("map-frame")
     made.props.update({"src": address, "title": title})
     return made
+
+
+def scroll_to(element: Element) -> None:
+    """Bring what has just appeared into view."""
+    ui.run_javascript(
+        f"setTimeout(() => getHtmlElement({element.id})?.scrollIntoView("
+        "{ behavior: 'smooth', block: 'start' }), 60)"
+    )

@@ -38,7 +38,7 @@ _SCRIPTS = (
 _STYLES = ("report.css", "gallery.css", "viewer.css", "print.css")
 # One map alone, for a frame in another page.
 _LONE_SCRIPTS = (*_SCRIPTS[:-2], "lone.js")
-_LONE_STYLES = ("report.css", "viewer.css", "lone.css")
+_LONE_STYLES = ("report.css", "gallery.css", "viewer.css", "lone.css")
 _FEWEST_CONTENTS = 3
 _LEGEND_WORDS = (
     f"Legend: from dark blue, {-LOWEST_STOP} stops below the median, to dark red, "

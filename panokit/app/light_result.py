@@ -1,0 +1,140 @@
+"""What was read: the map, how sure it is, what to mind, relit balls in the frame, and files."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nicegui import ui
+
+from panokit.app import reading
+from panokit.app.light_words import estimate_facts
+from panokit.app.packing import packed
+from panokit.app.progress import Progress
+from panokit.app.widgets import (
+    box,
+    button,
+    choice,
+    facts,
+    image,
+    map_frame,
+    notes,
+    scroll_to,
+    words,
+)
+from panokit.lighting.session import SessionResult
+
+if TYPE_CHECKING:
+    from panokit.app.lighting_place import LightingPlace
+
+FORMS = {
+    "exr": "EXR",
+    "hdr": "Radiance HDR",
+    "blender": "Blender world",
+    "usd": "USD dome light",
+    "harmonics": "Harmonics",
+    "gltf": "glTF",
+    "mitsuba": "Mitsuba scene",
+    "all": "Everything",
+}
+_WIDTHS = {"256": "256 px", "1024": "1024 px, smooth"}
+
+
+class LightResult:
+    """The part of Lighting that shows what came of it."""
+
+    def __init__(self, place: "LightingPlace") -> None:
+        self._place = place
+        self._box = box()
+        self._record: dict[str, Any] | None = None
+        self._width_px = 256
+
+    def clear(self) -> None:
+        """Nothing was read."""
+        self._box.clear()
+        self._record = None
+
+    def show(self, result: SessionResult, page: bytes, pictures: tuple[bytes, bytes]) -> None:
+        """Show what was read.
+
+        Args:
+            result: Of the reading.
+            page: The viewer's.
+            pictures: The frame as it is, and with relit balls; JPEG.
+        """
+        self.clear()
+        desk = self._place.desk
+        address = desk.publish(page, "text/html; charset=utf-8", key="light")
+        before, after = (
+            desk.publish(picture, "image/jpeg", key=key)
+            for picture, key in zip(pictures, ("frame", "relit"), strict=True)
+        )
+        with self._box, box("stage-step", "section"):
+            words("h2", "The light")
+            with box("two"):
+                with box("two-main"):
+                    map_frame(address, "The light that was read: look around in it")
+                with box("two-side"):
+                    self._downloads(result)
+                    words("h3", "How sure it is")
+                    facts(estimate_facts(result))
+                    if result.estimate.warnings:
+                        words("h3", "To mind")
+                        notes(result.estimate.warnings)
+            words("h3", "Relit balls in the frame")
+            with box("pair"):
+                for address, alt, caption in (
+                    (before, "The frame", "The frame as it is"),
+                    (after, "The frame with two relit balls and their shadows",
+                     "With a gray and a mirror ball, lit by what was read"),
+                ):  # fmt: skip
+                    with box("", "figure"):
+                        image(address, alt, "shot")
+                        words("figcaption", caption)
+            with box("bar-row"):
+                button("Add another object", self._place.begin_another)
+                words("p", "Several objects in the same light are fused into one map.",
+                      "small quiet-text")  # fmt: skip
+        scroll_to(self._box)
+
+    def _downloads(self, result: SessionResult) -> None:
+        words("h3", "Download")
+        place = box("downloads")
+
+        def choose(width: str) -> None:
+            self._width_px, self._record = int(width), None
+
+        choice("Width of the map", _WIDTHS, str(self._width_px), choose)
+        state = Progress()
+
+        async def make(form: str) -> None:
+            work, desk = self._place.work, self._place.desk
+
+            async def write() -> None:
+                if self._record is None:
+                    self._room = desk.room("light")
+                    self._record = await work.in_thread(
+                        reading.write_results, result, self._room, self._width_px
+                    )
+                files = files_of(form, self._record, self._room)
+                content, media_type, name = await work.in_thread(packed, files, "light", form)
+                ui.download(desk.publish(content, media_type, filename=name), name)
+
+            await state.run(write, "Writing the files")
+
+        with place:
+            for form, name in FORMS.items():
+                kind = "primary" if form == "exr" else ""
+                button(name, lambda form=form: make(form), kind=kind, label=f"Download as {name}")
+
+
+def files_of(form: str, record: dict[str, Any], room: Path) -> Sequence[Path]:
+    """Which files of a written result make a download."""
+    if form == "all":
+        # The archive itself may lie there from before.
+        found = sorted(room.rglob("*"))
+        return [path for path in found if path.is_file() and path.suffix != ".zip"]
+    if form in ("exr", "hdr"):
+        return [room / f"light.{form}"]
+    if form == "harmonics":
+        return sorted(room.glob("light.harmonics-*.json"))
+    return [room / name for name in record["tools"][form]]
