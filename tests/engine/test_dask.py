@@ -177,14 +177,38 @@ def scheduler():
                 break
             except OSError:
                 time.sleep(0.2)
-        yield f"tcp://127.0.0.1:{port}"
+        yield SimpleNamespace(address=f"tcp://127.0.0.1:{port}", process=process)
         process.kill()
 
 
 def test_a_scheduler_without_workers(scheduler):
-    engine = make_engine(scheduler, cluster=ClusterSettings(connect_timeout_s=5))
+    engine = make_engine(scheduler.address, cluster=ClusterSettings(connect_timeout_s=5))
     with pytest.raises(NetworkError, match="has no workers"):
         list(engine.run(work, ["a"]))
+
+
+def test_a_scheduler_that_dies_ends_the_run_with_a_reason(scheduler):
+    command = [sys.executable, "-m", "distributed.cli.dask_worker", scheduler.address]
+    with subprocess.Popen(
+        [*command, "--nthreads", "1", "--no-dashboard", "--no-nanny"],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    ) as worker:
+        settings = ClusterSettings(connect_timeout_s=120)
+        engine = make_engine(scheduler.address, cluster=settings)
+        outcomes = engine.run(work, range_of_names(500))
+        next(outcomes)
+        engine._cluster.client._timeout = 1  # how long it hopes for the scheduler's return
+        scheduler.process.kill()
+        with pytest.raises(NetworkError, match=r"scheduler at .* is gone\. What was done is kept"):
+            list(outcomes)
+        engine.close()
+        worker.kill()
+
+
+def range_of_names(count: int):
+    for n in range(count):
+        yield f"i{n}"
 
 
 def versions(python: str = "3.11.2", distributed: str = "2026.8.0"):

@@ -127,10 +127,7 @@ class Cluster:
 
     def unregister(self, name: str) -> None:
         """Let workers forget a task."""
-        try:
-            self.client.unregister_worker_plugin(name)
-        except Exception as error:  # a scheduler that is gone has forgotten
-            _log.debug("the task was not taken back: %s", error)
+        self.client.unregister_worker_plugin(name)
 
     def kill(self, worker: str) -> None:
         """Kill a worker that is stuck; another takes its place."""
@@ -288,4 +285,5 @@ def _open_slurm(workers: int, settings: ClusterSettings) -> Cluster:
 
     pool = start_slurm(workers, settings, _security(settings))
     client = Client(pool, timeout=settings.connect_timeout_s)
-    return Cluster(client, "Slurm", settings, pool=pool, wanted=workers)
+    where = f"Slurm (look at squeue, and at {settings.slurm.logs} for what jobs print)"
+    return Cluster(client, where, settings, pool=pool, wanted=workers)

@@ -44,7 +44,8 @@ class DaskEngine:
         if workers is not None and workers < 1:
             raise UsageError("A cluster needs at least one worker.")
         # Dask tells of every worker that comes or goes; what matters of that, panokit says.
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        for logger in ("distributed", "distributed.client"):
+            logging.getLogger(logger).setLevel(logging.CRITICAL)
         self._name, self._workers = name, workers
         self._settings = settings or ClusterSettings()
         self._silence_s = silence_s

@@ -1,5 +1,6 @@
 """One run on a cluster: items are sent a few at a time, and landed, or lost and sent again."""
 
+import logging
 import pickle
 import time
 from collections import deque
@@ -11,7 +12,7 @@ from queue import Empty, SimpleQueue
 from typing import Any, Literal
 from uuid import uuid4
 
-from distributed import KilledWorker
+from distributed import CancelledError, KilledWorker, wait
 
 from panokit.engine.dask.clusters import Cluster, lost_scheduler
 from panokit.engine.dask.work import Work, perform
@@ -20,6 +21,7 @@ from panokit.engine.protocol import Listener, Outcome
 from panokit.engine.settings import ClusterSettings
 from panokit.errors import PanokitError, Rejection
 
+_log = logging.getLogger("panokit.engine")
 _LOOK_S = 5.0
 # An item that was on so many lost workers, nobody knows whether as the one to blame, flies alone.
 _MOST_UNSURE = 2
@@ -102,11 +104,22 @@ class Flights:
                 # First the next items, so that workers go on while the caller deals with these.
                 self._fill()
                 yield from outcomes
+        except Exception as error:
+            # Dask has several errors for a scheduler that is gone, some of them hard to tell.
+            if self._client.status == "closed":
+                raise lost_scheduler(self._cluster.address) from error
+            raise
         finally:
+            self._clean_up()
+
+    def _clean_up(self) -> None:
+        try:
             for flight in self._flights.values():
                 flight.future.cancel(force=True)
-            self._cluster.unregister(self._topic)
             self._client.unsubscribe_topic(self._topic)
+            self._cluster.unregister(self._topic)
+        except Exception as error:  # a scheduler that is gone has forgotten all of it
+            _log.debug("not cleaned up: %s", error)
 
     def _fill(self) -> None:
         """Send items until enough are under way."""
@@ -170,9 +183,7 @@ class Flights:
         """The outcomes of what is done; what is lost is sent again, or rejected."""
         outcomes: list[Outcome] = []
         flights = {key: self._flights.pop(key) for key in done}
-        good = [flight for flight in flights.values() if flight.future.status == "finished"]
-        results = self._client.gather([flight.future for flight in good])
-        for word, value in results:
+        for word, value in self._results(list(flights.values())):
             if word == "error":
                 raise value
             self._finished += 1
@@ -182,6 +193,17 @@ class Flights:
                 outcomes += self._lose(flight)
             flight.future.release()
         return outcomes
+
+    def _results(self, flights: list[_Flight]) -> list[tuple[str, Any]]:
+        """What those that came through have brought; afterwards the others are not "finished"."""
+        good = [flight.future for flight in flights if flight.future.status == "finished"]
+        try:
+            found: list[tuple[str, Any]] = self._client.gather(good)
+            return found
+        except (KilledWorker, CancelledError, OSError):
+            # A result that its worker took along, and the second attempt came to nothing, too.
+            wait(good)
+            return self._results(flights)
 
     def _lose(self, flight: _Flight) -> list[Outcome]:
         if flight.future.status in ("cancelled", "lost"):
