@@ -40,8 +40,8 @@ def published_scores(
                 for part in SPHERE_PARTS:
                     scores[name_of("spheres", ball, part, variant)] = getattr(errors, part)
         if "array" in wanted:
-            frames = (transport("plane", 64).forward(one) for one in (guess, true))
-            errors_of_array = array_errors(*frames, variant)
+            lit, truly = (transport("plane", 64).forward(one) for one in (guess, true))
+            errors_of_array = array_errors(lit, truly, variant)
             for part in ARRAY_PARTS:
                 scores[name_of("array", part, variant)] = getattr(errors_of_array, part)
         if "light-direction" in wanted:

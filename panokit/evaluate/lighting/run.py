@@ -23,7 +23,7 @@ from panokit.evaluate.lighting.models import ModelFacts
 from panokit.evaluate.lighting.predictors import LightingPredictor
 from panokit.evaluate.lighting.published import published_scores
 from panokit.evaluate.lighting.sample import StereoSample
-from panokit.evaluate.lighting.scoring import score_maps, score_reflectance
+from panokit.evaluate.lighting.scoring import score_maps, score_reflectance, score_spoiled
 from panokit.evaluate.lighting.settings import LightingEvaluation
 from panokit.io.files import storage_error, write_bytes
 from panokit.metrics.statistics import Summary, summarize
@@ -178,12 +178,17 @@ class _Judge:
         sample = self._samples[number]
         to_light = [task for task in tasks if task.judges_light]
         to_reflectance = [task for task in tasks if not task.judges_light]
-        if to_light:
-            predicted = [self._predict(task, sample) for task in to_light]
+        plain = [task for task in to_light if not task.control]
+        if plain:
+            predicted = [self._predict(task, sample) for task in plain]
             rows = score_maps([estimate for estimate, _ in predicted], sample.truth)
-            for task, (estimate, seconds), scores in zip(to_light, predicted, rows, strict=True):
-                yield _result(task, sample, seconds, scores | self._more(task, number, sample,
-                                                                         estimate))  # fmt: skip
+            for task, (estimate, seconds), scores in zip(plain, predicted, rows, strict=True):
+                more = self._more(task, number, sample, estimate)
+                yield _result(task, sample, seconds, scores | more)
+        for task in to_light:
+            if task.control:
+                estimate, seconds = self._predict(task, sample)
+                yield _result(task, sample, seconds, score_spoiled(estimate, sample.truth))
         if sample.reflectance is not None:
             for task in to_reflectance:
                 estimate, seconds = self._predict(task, sample)
@@ -200,8 +205,6 @@ class _Judge:
         self, task: _Task, number: int, sample: StereoSample, estimate: NDArray[np.float32]
     ) -> dict[str, float]:
         """What is scored for some samples only; and the prediction, kept."""
-        if task.control:
-            return {}
         scores: dict[str, float] = {}
         if self._training is not None:
             scores[TO_TRUTH] = log_distance(estimate, sample.truth)

@@ -10,7 +10,6 @@ import os
 import platform
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -23,7 +22,7 @@ from numpy.typing import NDArray
 
 from panokit.errors import ModelError
 from panokit.evaluate.lighting.models import ModelFacts
-from panokit.inference import DEFAULT_THREADS, Session, runtime_version
+from panokit.inference import DEFAULT_THREADS, Session, profile_nodes, runtime_version
 
 _WARM_RUNS, _RUNS = 10, 100
 _MOST_SECONDS = 20.0
@@ -116,27 +115,9 @@ def measure_here(path: Path, device: str = "auto") -> Speed:
 
 def count_operations(path: Path, inputs: Mapping[str, NDArray[np.float32]]) -> tuple[int, int]:
     """Operations of one run, and how many parameters the network has."""
-    import onnxruntime
-
-    with tempfile.TemporaryDirectory() as folder:
-        options = onnxruntime.SessionOptions()
-        options.enable_profiling = True
-        options.profile_file_prefix = str(Path(folder) / "profile")
-        options.log_severity_level = 3
-        # As written: fused nodes would hide their shapes.
-        options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_DISABLE_ALL
-        session = onnxruntime.InferenceSession(
-            str(path), options, providers=["CPUExecutionProvider"]
-        )
-        session.run(None, dict(inputs))
-        events = json.loads(Path(session.end_profiling()).read_text(encoding="utf-8"))
-    operations = parameters = 0
-    for event in events:
-        told = event.get("args", {})
-        if "output_type_shape" in told and event["name"].endswith("_kernel_time"):
-            operations += _operations(told)
-            parameters += int(told.get("parameter_size", 0)) // 4
-    return operations, parameters
+    nodes = profile_nodes(path, inputs)
+    operations = sum(_operations(told) for told in nodes)
+    return operations, sum(int(told.get("parameter_size", 0)) // 4 for told in nodes)
 
 
 def _operations(told: Mapping[str, Any]) -> int:

@@ -6,6 +6,8 @@ import pytest
 from panokit.evaluate.lighting.published import published_scores
 from panokit.evaluate.lighting.scoring import (
     CODING,
+    OF_CONTROLS,
+    OF_LIGHTS,
     ON_REFLECTANCE,
     ON_SPHERE,
     ON_TARGET,
@@ -13,6 +15,7 @@ from panokit.evaluate.lighting.scoring import (
     score_map,
     score_maps,
     score_reflectance,
+    score_spoiled,
 )
 from panokit.metrics.protocols import protocol
 from panokit.reflectance import hemisphere_normals
@@ -31,7 +34,7 @@ def test_every_figure_is_that_of_its_protocol(maps):
     flat, true = (resize_radiance(one, 64, 32) for one in (estimate, truth))
     for name in ON_TARGET:
         assert scores[name] == pytest.approx(protocol(name).score(estimate, truth))
-    for name in (*ON_SPHERE, *RELIT):
+    for name in (*ON_SPHERE, *OF_LIGHTS, *RELIT):
         expected = protocol(name).score(flat, true)
         assert scores[name] == pytest.approx(expected, rel=1e-5, nan_ok=True), name
 
@@ -50,6 +53,13 @@ def test_code_figures_are_sums_over_code_values(maps):
     difference = CODING.encode(estimate).astype(float) - CODING.encode(truth)
     assert scores["code-ssd"] == pytest.approx(float((difference**2).sum()), rel=1e-5)
     assert scores["code-l1"] == pytest.approx(float(np.abs(difference).mean()), rel=1e-5)
+
+
+def test_the_few_figures_of_controls_are_those_of_all(maps):
+    estimate, truth, _ = maps
+    few, every = score_spoiled(estimate, truth), score_map(estimate, truth)
+    assert set(few) == set(OF_CONTROLS)
+    assert few == pytest.approx({name: every[name] for name in few})
 
 
 def test_reflectance_is_judged_on_the_half_that_is_seen(maps):
