@@ -1,14 +1,21 @@
 """Whole runs and batches: the only part that knows both files and stages.
 
-settings  what a pipeline's TOML file says
-load      TOML -> settings, with line numbers and near names
-runner    a run from places to light probes
-fetching  the fetch stage of a run
-judging   QA, the report and the library of a run
-batch     many items through one stage, skipping what is complete
-tasks     one item through one stage
-inputs    what a stage's command works on
-demo      the embedded city, all the way
+settings    what a pipeline's TOML file says
+load        TOML -> settings, with line numbers and near names
+runner      a run from places to light probes, and on to models
+fetching    the fetch stage of a run; serving, its server where it has one of its own
+judging     QA, its report and the library of a run
+references  maps of true range; modelling, datasets and models of all arms; judging_models, scores
+once        work with a record beside its folder
+reporting   the report of a run
+planning    what it would take; costs, what planning knows of the stages
+status      how far it is; orphans, what belongs to nothing any more
+publishing  what it made, copied to where others read it
+batch       many items through one stage, skipping what is complete
+tasks       one item through one stage
+inputs      what a stage's command works on
+adding      maps into a library; pulling, those of Poly Haven
+demo        the embedded city, all the way
 """
 
 from typing import TYPE_CHECKING

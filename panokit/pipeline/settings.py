@@ -2,7 +2,7 @@
 
 from datetime import date
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
@@ -15,7 +15,9 @@ from panokit.inpaint.settings import InpaintSettings
 from panokit.qa.settings import QaSettings
 from panokit.settings import Settings
 from panokit.stitch.settings import StitchSettings
-from panokit.train.stereo.recipe import LightingRecipe
+
+if TYPE_CHECKING:
+    from panokit.train.stereo.recipe import LightingRecipe
 
 PROBE_STAGES = ("fetch", "stitch", "inpaint", "expand", "qa", "probes")
 MODEL_STAGES = ("references", "dataset", "train", "evaluate")
@@ -187,11 +189,19 @@ class PipelineSettings(Settings):
     dataset: DatasetStage | None = None
     """Stereo samples lit by the probes; the run ends with the probes if not given."""
 
-    train: LightingRecipe | None = None
+    train: "LightingRecipe | None" = None
     """A model that is trained on each arm's samples: a recipe as of `panokit train`."""
 
     evaluate: EvaluateStage | None = None
     """How the models are judged."""
+
+    @classmethod
+    def model_rebuild(cls, **how: Any) -> bool | None:  # type: ignore[override]
+        """Finish the class when it is first used: recipes bring numpy, --help can do without."""
+        from panokit.train.stereo.recipe import LightingRecipe
+
+        types = {**globals(), "LightingRecipe": LightingRecipe}
+        return super().model_rebuild(**{**how, "_types_namespace": types})
 
     @field_validator("publish", "serve")
     @classmethod
