@@ -12,9 +12,10 @@ STITCHERS = .stitchers-venv
 TESTS ?= tests
 MODEL ?= expand-2
 WORK ?= work
+SIZE ?= pocket
 BIN = $(VENV)/bin
 
-.PHONY: help demo test check test-slow test-browser bench bench-report bench-library bench-peers bench-stitchers bench-qa bench-dataset bench-engine slurm-test expansion-table docs clean
+.PHONY: help demo test check test-slow test-browser bench bench-report bench-library bench-peers bench-stitchers bench-qa bench-dataset bench-engine slurm-test expansion-table bench-lighting lighting-suite docs clean
 
 help:
 	@echo "make demo       light probes from the embedded city, with a report (core packages only)"
@@ -27,11 +28,13 @@ help:
 	@echo "make bench-library  a library of 10,000 probes: listing, filters, indexing"
 	@echo "make bench-peers  geometry against skylibs, equilib and py360convert"
 	@echo "make bench-dataset  CPU time of dataset samples, and Mitsuba beside Cycles (needs PANOKIT_DATA)"
+	@echo "make bench-lighting  the reflectance operator beside the thesis's; comparing views, loading, latency"
 	@echo "make bench-qa   how often QA sees deliberate damage (needs PANOKIT_DATA)"
 	@echo "make bench-engine  what engines cost: overhead, idle cores, memory per worker"
 	@echo "make slurm-test a pipeline on a real Slurm with a job killed (needs root and Debian's slurm)"
 	@echo "make bench-stitchers  stitching against OpenCV, OpenStitching, Hugin (needs PANOKIT_DATA)"
 	@echo "make expansion-table  expansion methods on probes none has seen (needs PANOKIT_DATA; hours)"
+	@echo "make lighting-suite SIZE=pocket DATA=stereo-10k  all experiments on light, trained and judged"
 	@echo "make docs       the documentation, in docs/_build"
 
 demo: $(DEMO)/.installed
@@ -69,6 +72,11 @@ bench-peers: $(VENV)/.installed $(PEERS)/.installed
 bench-dataset: $(VENV)/.installed
 	$(BIN)/python tests/benchmarks/dataset_render.py $(PANOKIT_DATA)
 
+# With DATA=DATASET the loading of batches is measured too.
+bench-lighting: $(VENV)/.installed
+	$(BIN)/python tests/benchmarks/reflectance.py
+	$(BIN)/python tests/benchmarks/lighting.py $(if $(DATA),--data $(DATA)) --work $(WORK)
+
 bench-qa: $(VENV)/.installed
 	$(BIN)/python tests/benchmarks/qa_damage.py $(PANOKIT_DATA)
 
@@ -90,6 +98,13 @@ expansion-table: $(VENV)/.installed
 	$(BIN)/panokit train models/expandnet/expandnet.toml --probes $(PANOKIT_DATA)/probes --work $(WORK) --folds
 	OMP_NUM_THREADS=1 $(BIN)/panokit evaluate expansion --probes $(PANOKIT_DATA)/probes --out $(WORK)/scores \
 		--model '$(WORK)/$(MODEL)/fold-{fold}' --peer '$(WORK)/expandnet/fold-{fold}/expandnet.onnx'
+
+# Exit code 1 says that some networks are missing, such as those whose own datasets are not there;
+# the others are judged all the same.
+lighting-suite: $(VENV)/.installed
+	@test -d "$(DATA)" || { echo "Set DATA to a stereo dataset, see docs/guides/stereo-dataset.md."; exit 2; }
+	$(BIN)/panokit train pipelines/lighting --size $(SIZE) --data $(DATA) --work $(WORK) || test $$? -eq 1
+	$(BIN)/panokit evaluate $(WORK)/models --data $(DATA) --out $(WORK)/scores
 
 docs: $(VENV)/.installed
 	$(BIN)/pip install --quiet -e ".[docs]"

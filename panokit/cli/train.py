@@ -111,7 +111,7 @@ def _train_lighting(
         if team.size > 1 or team.device != "cpu":
             done = train_together(trainings, team)
         else:
-            console.note(f"{len(trainings)} networks, {processes} at a time")
+            console.note(f"Networks to train: {len(trainings)}, {processes} at a time")
             done = train_suite(trainings, _engine(processes, console))
         if not team.leads:
             return 0
@@ -120,7 +120,7 @@ def _train_lighting(
         console.note(f"There is no {rejection.item}: {rejection.message}")
     fresh = sum(not isinstance(outcome, Rejection) and outcome.fresh for outcome in done)
     there = len(done) - fresh - len(missing)
-    console.result(f"{fresh} networks trained, {there} were there already.")
+    console.result(f"Networks trained: {fresh}, there already: {there}, missing: {len(missing)}")
     if there + fresh:
         _say_how_to_judge(console, out, data)
     return 1 if missing else 0
