@@ -154,10 +154,15 @@ class Finding:
             "expected": self.statement.expected, "size": self.size, "figure": self.figure,
             "primary": self.figure == self.statement.primary,
             "n": found.n, "places": found.places, "seeds": found.seeds,
-            "mean": round(found.mean, 6), "low": round(found.low, 6),
-            "high": round(found.high, 6), "relative": round(found.relative, 6),
+            "mean": round(found.mean, 6), "low": _finite(found.low),
+            "high": _finite(found.high), "relative": round(found.relative, 6),
             "verdict": self.word, "why": self.why,
         }  # fmt: skip
+
+
+def _finite(value: float) -> float | None:
+    """Of a single seed there is no interval."""
+    return round(value, 6) if np.isfinite(value) else None
 
 
 def findings(outcome: Outcome, statements: Sequence[Statement] = STATEMENTS) -> list[Finding]:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -64,4 +65,5 @@ def interval(mean: float, low: float, high: float) -> str:
 
 def signed(value: float, digits: int = 1) -> str:
     """With its sign, and a minus that is one."""
-    return f"{round(value, digits) + 0.0:+.{digits}f}".replace("-", "−")
+    said = f"{round(value, digits) + 0.0:+.{digits}f}" if math.isfinite(value) else f"{value:+}"
+    return said.replace("-", "−").replace("inf", "∞")

@@ -105,9 +105,12 @@ def test_a_dark_prediction_looks_dark(samples):
 
 
 def test_a_small_evaluation_has_a_small_pack(tmp_path):
-    summary = write_pack(make_up(tmp_path, seeds=1, effects={"dot-product": 0.0}))
-    assert "F5.7" in summary["figures"]
+    effects = {"concat-shared": 0.0, "dot-product": 0.0}
+    summary = write_pack(make_up(tmp_path, seeds=1, effects=effects))
+    assert {"F5.3", "F5.7"} <= set(summary["figures"])
     assert "F5.1" not in summary["figures"]
+    # Of one seed there is no interval.
+    assert [one["low"] for one in summary["findings"] if one["figure"] == "epochs"] == [None]
     assert "F-C" not in summary["figures"]
 
 

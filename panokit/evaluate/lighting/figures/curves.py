@@ -103,8 +103,10 @@ def _plain_ticks(axis: object, limits: tuple[float, float]) -> None:
     """Plain numbers, as many as are read easily."""
     from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-    steps = [base * 10.0**power for power in range(-3, 7) for base in (1, 1.5, 2, 3, 5, 7)]
-    ticks = [tick for tick in steps if limits[0] <= tick <= limits[1]]
+    ticks: list[float] = []
+    for bases in ((1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.5, *range(4, 10))):
+        steps = [base * 10.0**power for power in range(-3, 7) for base in bases]
+        ticks = ticks if len(ticks) > 2 else [s for s in steps if limits[0] <= s <= limits[1]]
     axis.yaxis.set_major_locator(FixedLocator(ticks))  # type: ignore[attr-defined]
     axis.yaxis.set_minor_locator(NullLocator())  # type: ignore[attr-defined]
     axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))  # type: ignore[attr-defined]

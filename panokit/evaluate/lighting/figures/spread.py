@@ -108,11 +108,12 @@ def _histogram(
 ) -> FigureFile:
     values = [_finite(outcome, one, name) for one in several]
     every = np.concatenate(values)
+    bins = min(_BINS, 4 + len(values[0]) // 5)
     if log:
         low, high = np.log10(np.maximum([every.min(), every.max()], 1e-4))
-        edges = np.logspace(low - 0.02, high + 0.02, _BINS + 1)
+        edges = np.logspace(low - 0.02, high + 0.02, bins + 1)
     else:
-        edges = np.linspace(0, float(every.max()) * 1.02, _BINS + 1)
+        edges = np.linspace(0, float(every.max()) * 1.02, bins + 1)
     figure, axis = panel()
     for number, (entrant, own) in enumerate(zip(several, values, strict=True)):
         heights = np.histogram(np.maximum(own, edges[0]), edges)[0] / len(own) * 100
