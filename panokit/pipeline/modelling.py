@@ -142,9 +142,13 @@ def _asked(settings: PipelineSettings) -> DatasetStage:
 
 
 def _production(settings: PipelineSettings, asked: DatasetStage) -> ProductionSettings:
-    # Rendering happens on this machine; none but this process where items go one by one.
-    workers = 0 if settings.engine == "serial" else settings.workers
-    return ProductionSettings(count=asked.count, shard_samples=asked.shard_samples, workers=workers)
+    return ProductionSettings(
+        count=asked.count,
+        shard_samples=asked.shard_samples,
+        engine=settings.engine,
+        workers=settings.workers,
+        cluster=settings.cluster,
+    )
 
 
 def _own(arm: Arm, probes: Sequence[Receipt]) -> Sequence[Receipt]:

@@ -136,6 +136,8 @@ def _run(
             ledger.settle(stage, batch.receipts, batch.rejections)
             _log_models(run, stage, batch)
     result = RunResult(run=run, batches=tuple(batches.values()))
+    if not result.nothing_to_do:
+        run.remove_leftovers()  # of workers that were lost on the way
     run.write_manifest(_manifest(result.batches))
     told = {batch.stage: batch.summary() for batch in result.batches}
     run.log("end", stages=told, seconds={s: round(t, 3) for s, t in seconds.items()})

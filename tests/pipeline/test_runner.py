@@ -10,10 +10,11 @@ import numpy as np
 import OpenEXR
 import pytest
 
+from panokit.engine import SerialEngine
 from panokit.errors import UsageError
 from panokit.expand.settings import ExpandSettings
 from panokit.ledger import Ledger
-from panokit.pipeline import run_pipeline
+from panokit.pipeline import run_pipeline, runner
 from panokit.probes import Library
 
 
@@ -106,6 +107,20 @@ def test_rejections_are_remembered_until_asked_to_forget(settings, console, pict
     assert not result.rejections
     assert len(result.batches[1].receipts) == 4
     assert all(verdict.item == "folder-broken" for verdict in verdicts)
+
+
+def test_what_lost_workers_left_is_gone_at_the_end(settings, console, monkeypatch):
+    class Losing(SerialEngine):
+        def run(self, task, items):
+            for outcome in super().run(task, items):
+                # What a worker that is killed while it writes leaves behind.
+                (outcome.path.parent / f".{outcome.path.name}.abc.part").write_bytes(b"half")
+                yield outcome
+
+    monkeypatch.setattr(runner, "make_engine", lambda *_: Losing())
+    result = run_pipeline(settings, console)
+    assert len(list(result.run.probes.glob("*.exr"))) == 3
+    assert not list(result.run.root.rglob("*.part"))
 
 
 _KILLED = """
