@@ -44,6 +44,7 @@ finish() {
     exit "$code"
 }
 trap finish EXIT
+trap 'exit 143' INT TERM
 
 mkdir "$work/state" "$work/spool"
 dd if=/dev/urandom of="$work/munge.key" bs=1 count=1024 status=none
@@ -100,15 +101,14 @@ sinfo --noheader --format="Slurm %v, node %N: %T" 2> /dev/null | grep idle || ex
 
 cd "$work"
 # Records say where a picture was fetched from, so both runs serve them at the same place.
-port=18217
+demo=("$here/pipelines/demo.toml" --set serve_port=18217 --set fetch.width_px=1024)
+demo+=(--set expand.width_px=512)
 echo "a serial run"
-"$panokit" run "$here/pipelines/demo.toml" --out "$work/serial" --set serve_port=$port \
-    > "$work/serial.txt" 2>&1
+"$panokit" run "${demo[@]}" --out "$work/serial" > "$work/serial.txt" 2>&1
 
 echo "the same on Slurm, with two jobs"
-"$panokit" run "$here/pipelines/demo.toml" --out "$work/slurm" --set engine=slurm \
-    --set serve_port=$port --set workers=2 --set cluster.memory_gb=2 --set cluster.slurm.interface=lo \
-    > "$work/slurm.txt" 2>&1 &
+"$panokit" run "${demo[@]}" --out "$work/slurm" --engine slurm --workers 2 \
+    --set cluster.memory_gb=2 --set cluster.slurm.interface=lo > "$work/slurm.txt" 2>&1 &
 driver=$!
 # The first panorama that a job has made is the sign that both are at work.
 until grep -q '"stage": "stitch"' "$work/slurm/log.jsonl" 2> /dev/null; do
