@@ -1,4 +1,4 @@
-"""The clip that comes with panokit: a camera moves sideways past a vase in a sunny square.
+"""The clip that comes with panokit: a camera moves sideways past a teapot in a sunny square.
 
 Made by panokit's own renderer, see `tests/lighting/make_clip.py`. What the light in it really is,
 is kept with the tests, for the judge alone.
@@ -8,8 +8,8 @@ from pathlib import Path
 
 from panokit.lighting.pair import Click
 
-# A pixel of the vase, and a frame in which it is whole.
-CLIP_CLICK = Click(column=400, row=180, frame=6)
+# A pixel of the teapot, and a frame in which it is whole.
+CLIP_CLICK = Click(column=360, row=215, frame=6)
 CLIP_FOV_DEG = 60.0
 
 

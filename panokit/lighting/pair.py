@@ -8,17 +8,18 @@ import numpy as np
 
 from panokit.equirectangular import read_only
 from panokit.errors import ItemError
-from panokit.lighting.select import Box, Mask, Selection, box_of, flood, select_object
+from panokit.lighting.refine import grown
+from panokit.lighting.select import Box, Mask, Selection, box_of, closed, select_object
 from panokit.lighting.settings import SelectSettings, SessionSettings
 from panokit.lighting.snapshots import Snapshot, StereoPair, stereo_pair
 from panokit.lighting.track import Track, TrackedFrame, follow
-from panokit.lighting.video import Frames, Picture
+from panokit.lighting.video import Frames, Picture, smaller
 
 # A mask that is filled anew counts if it overlaps the first one, moved along, this much.
 _SAME_MASK = 0.6
 # With less of the motion that was asked for, the views say nothing of shape.
 _LEAST_OF_SHIFT = 0.5
-_AROUND = 0.5
+_AROUND, _FIT_PX = 0.4, 640
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,34 +119,31 @@ def pair_of(
 
 
 def selection_at(
-    picture: Picture, box: Box, before: Selection, settings: SelectSettings | None = None
+    picture: Picture, box: Box, before: Selection, settings: SelectSettings
 ) -> Selection:
     """The object in another frame, where it was followed to.
 
-    Filled anew from where in the box was clicked; if that runs out or stays small, the mask of
-    before, moved along.
+    The mask of before, moved along and fitted to the colors there; just moved along where fitting
+    makes something else of it.
     """
     moved = _moved(before, box)
-    if before.tolerance <= 0 or not moved.any():
-        return _as_selection(moved, before, box)
-    width, height = picture.shape[1], picture.shape[0]
-    left = int(np.clip(box.x - _AROUND * box.width, 0, width - 1))
-    top = int(np.clip(box.y - _AROUND * box.height, 0, height - 1))
-    right = int(np.clip(np.ceil(box.x + (1 + _AROUND) * box.width), left + 1, width))
-    bottom = int(np.clip(np.ceil(box.y + (1 + _AROUND) * box.height), top + 1, height))
-    seed = _seed_in(before, box)
-    inside = (
-        float(np.clip(seed[0] - left, 0, right - left - 1)),
-        float(np.clip(seed[1] - top, 0, bottom - top - 1)),
-    )
-    asked = (settings or SelectSettings()).model_copy(update={"tolerance": before.tolerance})
-    part = flood(np.ascontiguousarray(picture[top:bottom, left:right]), inside, asked)
-    mask = np.zeros((height, width), bool)
-    mask[top:bottom, left:right] = part.mask
-    shared, whole = float((mask & moved).sum()), float((mask | moved).sum())
-    if shared < _SAME_MASK * whole:
-        return _as_selection(moved, before, box)
-    return Selection(mask=read_only(mask), box=box_of(mask), seed=seed, tolerance=before.tolerance)
+    if moved.any():
+        small, scale = smaller(picture, _FIT_PX)
+        fitted = moved
+        if scale < 1:
+            size = (small.shape[1], small.shape[0])
+            fitted = cv2.resize(moved.astype(np.float32), size, interpolation=cv2.INTER_AREA) > 0.5
+        fitted = closed(grown(small, fitted, margin=_AROUND, rounds=1), settings.close_px)
+        if scale < 1:
+            whole = (picture.shape[1], picture.shape[0])
+            fitted = cv2.resize(fitted.astype(np.float32), whole) > 0.5
+        shared, both = float((fitted & moved).sum()), float((fitted | moved).sum())
+        if shared >= _SAME_MASK * both:
+            moved = np.asarray(fitted)
+    return Selection(
+        mask=read_only(moved), box=box_of(moved) if moved.any() else box,
+        seed=_seed_in(before, box), tolerance=before.tolerance,
+    )  # fmt: skip
 
 
 def _moved(before: Selection, box: Box) -> Mask:
@@ -162,13 +160,6 @@ def _moved(before: Selection, box: Box) -> Mask:
     values = before.mask.astype(np.float32)
     laid = cv2.warpAffine(values, matrix, (width, height), flags=cv2.INTER_LINEAR)
     return np.asarray(laid >= 0.5)
-
-
-def _as_selection(mask: Mask, before: Selection, box: Box) -> Selection:
-    return Selection(
-        mask=read_only(mask), box=box_of(mask) if mask.any() else box,
-        seed=_seed_in(before, box), tolerance=before.tolerance,
-    )  # fmt: skip
 
 
 def _seed_in(before: Selection, box: Box) -> tuple[float, float]:

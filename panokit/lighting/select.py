@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from panokit.equirectangular import read_only
 from panokit.errors import ImageError, UsageError
+from panokit.lighting.refine import grown
 from panokit.lighting.settings import SelectSettings
 from panokit.lighting.video import Picture, smaller
 
@@ -136,8 +137,12 @@ def flood(
         region, problem = _region(away, seed, chosen), ""
     else:
         chosen, region, problem = _steadiest(away, seed)
-    region = _closed(region, settings.close_px)
+    region = closed(region, settings.close_px)
     problem = problem or _problem(region)
+    if settings.tolerance == 0 and settings.grow and not problem and region.any():
+        whole = closed(grown(small, region), settings.close_px)
+        # What ran out into the background is no better than what was filled.
+        region = region if _problem(whole) else whole
     mask = region
     if scale < 1:
         shares = cv2.resize(region.astype(np.float32), (width, height))
@@ -236,7 +241,7 @@ def _steadiest(away: NDArray[np.float32], seed: tuple[int, int]) -> tuple[float,
     return _TOLERANCES[at], regions[at], ""
 
 
-def _closed(region: Mask, close_px: int) -> Mask:
+def closed(region: Mask, close_px: int) -> Mask:
     """Without gaps, holes and threads."""
     cells = region.astype(np.uint8)
     if close_px > 1:

@@ -51,6 +51,10 @@ class SelectSettings(Settings):
     """How far from the clicked color (CIE LAB) the object's colors may be, brightness counting
     little; 0 chooses what suits: the most that does not run out into the background."""
 
+    grow: bool = True
+    """Whether what was filled is then grown by the colors in it against those around it; not where
+    a tolerance is set."""
+
     close_px: int = Field(default=5, ge=0, le=31)
     """Gaps up to about this size are closed, in pixels of a frame 640 wide."""
 

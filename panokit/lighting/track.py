@@ -21,7 +21,9 @@ from panokit.lighting.video import Frames, Picture, smaller
 
 State = Literal["found", "lost"]
 # What is filled anew counts as the same object if its box and its area agree this well.
-_SAME_BOX, _SAME_AREA = 0.55, 1.6
+_SAME_BOX, _SAME_AREA = 0.7, 1.3
+# What was filled at the click must be most of the object to be a sign of it.
+_MOST_OF_IT = 0.6
 # Further than this off what was filled, the filter starts anew there.
 _DRIFT = 0.82
 _INSIDE = 0.7
@@ -110,10 +112,9 @@ class Follower:
         small, self._scale = smaller(picture, self.settings.width_px)
         size = (small.shape[1], small.shape[0])
         mask = cv2.resize(selection.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
-        self._box = selection.box.scaled(self._scale)
+        self._box = self._box_first = selection.box.scaled(self._scale)
         self._colors = _histogram(small, self._box, np.asarray(mask, np.uint8))
         self._inner = _histogram(small, self._box)
-        self._area = float(mask.sum())
         # Where in the box the click was; the color is filled from there again.
         self._seed = tuple(
             (value * self._scale - start) / max(length, 1e-6)
@@ -124,6 +125,11 @@ class Follower:
         )  # fmt: skip
         keep = select or SelectSettings()
         self._fill = keep.model_copy(update={"tolerance": selection.tolerance})
+        self._filled_first = self._flooded(small, self._box)
+        if self._filled_first is not None and (
+            self._filled_first[0].overlap(self._box) < _MOST_OF_IT
+        ):
+            self._filled_first = None
         self._filter = self._started(small, self._box)
 
     def see(self, number: int, picture: Picture) -> TrackedFrame:
@@ -161,7 +167,26 @@ class Follower:
         return made
 
     def _filled(self, small: Picture, box: Box) -> Box | None:
-        """The box of the color filled around a box, if it is the same object by all signs."""
+        """The box by the color filled around it, if it is the same object by all signs."""
+        if self._filled_first is None:
+            return None
+        now = self._flooded(small, box)
+        if now is None:
+            return None
+        (first, first_area), (found, area) = self._filled_first, now
+        if not first_area / _SAME_AREA < area < first_area * _SAME_AREA:
+            return None
+        # What is filled was a part of the box at the click, and is the same part now.
+        start = self._box_first
+        wide, high = found.width / first.width, found.height / first.height
+        moved = Box(
+            x=found.x + (start.x - first.x) * wide, y=found.y + (start.y - first.y) * high,
+            width=start.width * wide, height=start.height * high,
+        )  # fmt: skip
+        return moved if moved.overlap(box) >= _SAME_BOX else None
+
+    def _flooded(self, small: Picture, box: Box) -> tuple[Box, float] | None:
+        """Box and area of the clicked color around a box."""
         if self._fill.tolerance <= 0:
             return None
         x = box.x + self._seed[0] * box.width
@@ -171,18 +196,13 @@ class Follower:
             return None
         part = np.ascontiguousarray(small[top:bottom, left:right])
         found = flood(part, (x - left, y - top), self._fill)
-        area = float(found.mask.sum())
-        moved = Box(
+        if found.box.width < 1:
+            return None
+        at = Box(
             x=found.box.x + left, y=found.box.y + top,
             width=found.box.width, height=found.box.height,
         )  # fmt: skip
-        if not self._area / _SAME_AREA < area < self._area * _SAME_AREA:
-            return None
-        if moved.overlap(box) < _SAME_BOX:
-            return None
-        # Slowly, so that an object may come nearer but not become another one.
-        self._area += 0.1 * (area - self._area)
-        return moved
+        return at, float(found.mask.sum())
 
     def _likeness(self, small: Picture, box: Box) -> float:
         """One minus the distance of Bhattacharyya, of the colors within the box."""

@@ -37,9 +37,9 @@ FPS = 25
 FRAMES, SAMPLES = 60, 24
 # Of this kind datasets take numbers up to 249.
 OBJECT = ("teapot", 1018)
-MATERIAL = Material(base_color=(0.62, 0.11, 0.08), roughness=0.35, metallic=1e-4, specular=0.5,
+MATERIAL = Material(base_color=(0.05, 0.27, 0.36), roughness=0.35, metallic=1e-4, specular=0.5,
                     sheen=1e-4, flatness=1e-4, clearcoat=1e-4, clearcoat_gloss=0.9)  # fmt: skip
-HEADING_DEG = 30.0
+HEADING_DEG = 20.0
 DISTANCE_M, HALF_WAY_M = 2.6, 0.55
 OBJECT_BELOW_M = 0.12
 CAMERA_HEIGHT_M, WALL_M = 2.4, 16.0
