@@ -9,7 +9,7 @@ from pathlib import Path
 from panokit.lighting.pair import Click
 
 # A pixel of the teapot, and a frame in which it is whole.
-CLIP_CLICK = Click(column=360, row=215, frame=6)
+CLIP_CLICK = Click(column=400, row=180, frame=6)
 CLIP_FOV_DEG = 60.0
 
 

@@ -8,18 +8,18 @@ import numpy as np
 
 from panokit.equirectangular import read_only
 from panokit.errors import ItemError
-from panokit.lighting.refine import grown
-from panokit.lighting.select import Box, Mask, Selection, box_of, closed, select_object
-from panokit.lighting.settings import SelectSettings, SessionSettings
+from panokit.lighting.refine import fitted
+from panokit.lighting.select import Box, Mask, Selection, box_of, select_object
+from panokit.lighting.settings import SessionSettings
 from panokit.lighting.snapshots import Snapshot, StereoPair, stereo_pair
 from panokit.lighting.track import Track, TrackedFrame, follow
 from panokit.lighting.video import Frames, Picture, smaller
 
-# A mask that is filled anew counts if it overlaps the first one, moved along, this much.
+# A mask that was fitted counts if it overlaps the first one, moved along, this much.
 _SAME_MASK = 0.6
 # With less of the motion that was asked for, the views say nothing of shape.
 _LEAST_OF_SHIFT = 0.5
-_AROUND, _FIT_PX = 0.4, 640
+_FIT_PX = 640
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,7 +109,7 @@ def pair_of(
     if best is None or best[0] < _LEAST_OF_SHIFT * wanted:
         raise _no_motion(best[0] if best else 0.0, wanted, track)
     _, found, picture = best
-    second = selection_at(picture, found.box, first.selection, settings.select)
+    second = selection_at(picture, found.box, first.selection)
     pair = stereo_pair(
         first,
         Snapshot(number=found.number, picture=picture, selection=second),
@@ -118,9 +118,7 @@ def pair_of(
     return FoundPair(pair=pair, track=track)
 
 
-def selection_at(
-    picture: Picture, box: Box, before: Selection, settings: SelectSettings
-) -> Selection:
+def selection_at(picture: Picture, box: Box, before: Selection) -> Selection:
     """The object in another frame, where it was followed to.
 
     The mask of before, moved along and fitted to the colors there; just moved along where fitting
@@ -129,21 +127,22 @@ def selection_at(
     moved = _moved(before, box)
     if moved.any():
         small, scale = smaller(picture, _FIT_PX)
-        fitted = moved
+        found = fitted(small, _resized(moved, small) if scale < 1 else moved)
         if scale < 1:
-            size = (small.shape[1], small.shape[0])
-            fitted = cv2.resize(moved.astype(np.float32), size, interpolation=cv2.INTER_AREA) > 0.5
-        fitted = closed(grown(small, fitted, margin=_AROUND, rounds=1), settings.close_px)
-        if scale < 1:
-            whole = (picture.shape[1], picture.shape[0])
-            fitted = cv2.resize(fitted.astype(np.float32), whole) > 0.5
-        shared, both = float((fitted & moved).sum()), float((fitted | moved).sum())
+            found = _resized(found, picture)
+        shared, both = float((found & moved).sum()), float((found | moved).sum())
         if shared >= _SAME_MASK * both:
-            moved = np.asarray(fitted)
+            moved = found
     return Selection(
         mask=read_only(moved), box=box_of(moved) if moved.any() else box,
         seed=_seed_in(before, box), tolerance=before.tolerance,
     )  # fmt: skip
+
+
+def _resized(mask: Mask, like: Picture) -> Mask:
+    size = (like.shape[1], like.shape[0])
+    share = cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_LINEAR)
+    return np.asarray(share > 0.5)
 
 
 def _moved(before: Selection, box: Box) -> Mask:

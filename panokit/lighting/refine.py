@@ -4,6 +4,9 @@ Light on a glossy object has colors that no tolerance spans: highlights, shade, 
 was filled tells enough of them to find the rest (GrabCut: Rother, Kolmogorov, Blake 2004).
 """
 
+from dataclasses import dataclass
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -38,17 +41,58 @@ def grown(picture: NDArray[np.uint8], mask: Mask, *, margin: float = 0.8, rounds
     return mask
 
 
+def fitted(picture: NDArray[np.uint8], mask: Mask, *, band: float = 0.05) -> Mask:
+    """A mask from another frame, made to fit the object here.
+
+    Args:
+        picture: (H, W, 3) uint8 RGB.
+        mask: (H, W) bool, not empty, where the object is but for a little.
+        band: How far its outline may move, in parts of its size.
+    """
+    window = _Window.around(mask, 2 * band)
+    part = window.of(picture)
+    inner = window.of(mask).astype(np.uint8)
+    reach = max(2, round(band * max(inner.shape)))
+    disk = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+    labels = np.where(inner > 0, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
+    labels[cv2.erode(inner, disk) > 0] = cv2.GC_FGD
+    labels[cv2.dilate(inner, disk) == 0] = cv2.GC_BGD
+    return window.laid(_cut(part, labels), mask)
+
+
+@dataclass(frozen=True, slots=True)
+class _Window:
+    """A part of a picture."""
+
+    rows: slice
+    columns: slice
+
+    @classmethod
+    def around(cls, mask: Mask, margin: float) -> "_Window":
+        rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+        more = int(np.ceil(margin * max(np.ptp(rows), np.ptp(columns)))) + 3
+        return cls(
+            slice(max(0, int(rows[0]) - more), int(rows[-1]) + more + 1),
+            slice(max(0, int(columns[0]) - more), int(columns[-1]) + more + 1),
+        )
+
+    def of(self, picture: NDArray[Any]) -> NDArray[Any]:
+        return np.ascontiguousarray(picture[self.rows, self.columns])
+
+    def laid(self, part: Mask, mask: Mask) -> Mask:
+        """The part at its place, empty elsewhere: the piece that shares most with a mask."""
+        whole = np.zeros_like(mask)
+        whole[self.rows, self.columns] = part
+        return _connected(whole, mask)
+
+
 def _round(picture: NDArray[np.uint8], mask: Mask, margin: float) -> Mask:
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    around = int(np.ceil(margin * max(np.ptp(rows), np.ptp(columns)))) + 3
-    height, width = mask.shape
-    left, top = max(0, columns[0] - around), max(0, rows[0] - around)
-    right, bottom = min(width, columns[-1] + around + 1), min(height, rows[-1] + around + 1)
-    part = np.ascontiguousarray(picture[top:bottom, left:right])
-    inner = mask[top:bottom, left:right].astype(np.uint8)
+    window = _Window.around(mask, margin)
+    part = window.of(picture)
     scale = min(1.0, _WORK_PX / max(part.shape[:2]))
     size = (max(8, round(part.shape[1] * scale)), max(8, round(part.shape[0] * scale)))
-    small = cv2.resize(part, size, interpolation=cv2.INTER_AREA)
+    small = np.asarray(cv2.resize(part, size, interpolation=cv2.INTER_AREA), np.uint8)
+    inner = window.of(mask).astype(np.uint8)
     sure = cv2.resize(inner, size, interpolation=cv2.INTER_NEAREST)
     labels = np.full(sure.shape, cv2.GC_PR_BGD, np.uint8)
     labels[sure > 0] = cv2.GC_PR_FGD
@@ -56,18 +100,19 @@ def _round(picture: NDArray[np.uint8], mask: Mask, margin: float) -> Mask:
     edge = max(1, round(_EDGE * max(size)))
     for side in (labels[:edge], labels[-edge:], labels[:, :edge], labels[:, -edge:]):
         side[side != cv2.GC_FGD] = cv2.GC_BGD
-    if not (labels == cv2.GC_FGD).any() or not (labels == cv2.GC_BGD).any():
-        return mask
-    # Its clusters start at random; the same seed gives the same mask.
-    cv2.setRNGSeed(_SEED)
-    colors = cv2.cvtColor(np.asarray(small, np.uint8), cv2.COLOR_RGB2LAB)
-    models = (np.zeros((1, 65)), np.zeros((1, 65)))
-    cv2.grabCut(colors, labels, None, *models, _ITERATIONS, cv2.GC_INIT_WITH_MASK)
-    is_object = (labels == cv2.GC_FGD) | (labels == cv2.GC_PR_FGD)
-    share = cv2.resize(is_object.astype(np.float32), (part.shape[1], part.shape[0]))
-    result = np.zeros_like(mask)
-    result[top:bottom, left:right] = share > 0.5
-    return _connected(result, mask)
+    share = _cut(small, labels).astype(np.float32)
+    return window.laid(np.asarray(cv2.resize(share, part.shape[1::-1]) > 0.5), mask)
+
+
+def _cut(picture: NDArray[np.uint8], labels: NDArray[np.uint8]) -> Mask:
+    """GrabCut from what is sure and what is likely."""
+    if (labels == cv2.GC_FGD).any() and (labels == cv2.GC_BGD).any():
+        # Its clusters start at random; the same seed gives the same mask.
+        cv2.setRNGSeed(_SEED)
+        colors = cv2.cvtColor(picture, cv2.COLOR_RGB2LAB)
+        models = (np.zeros((1, 65)), np.zeros((1, 65)))
+        cv2.grabCut(colors, labels, None, *models, _ITERATIONS, cv2.GC_INIT_WITH_MASK)
+    return np.asarray((labels == cv2.GC_FGD) | (labels == cv2.GC_PR_FGD))
 
 
 def _connected(found: Mask, before: Mask) -> Mask:

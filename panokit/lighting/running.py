@@ -114,7 +114,7 @@ class RunningLight:
         is_new = newest is None or abs(newest.selection.box.center[0] - column) >= wanted / 2
         if partner is None and not is_new:
             return "kept" if self._readings and what == "waiting" else what
-        selection = selection_at(picture, tracked.box, self._selection, self.settings.select)
+        selection = selection_at(picture, tracked.box, self._selection)
         snapshot = Snapshot(number=tracked.number, picture=picture, selection=selection)
         if partner is None:
             self._snapshots.append(snapshot)

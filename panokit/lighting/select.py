@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from panokit.equirectangular import read_only
 from panokit.errors import ImageError, UsageError
-from panokit.lighting.refine import grown
+from panokit.lighting.refine import fitted, grown
 from panokit.lighting.settings import SelectSettings
 from panokit.lighting.video import Picture, smaller
 
@@ -140,7 +140,7 @@ def flood(
     region = closed(region, settings.close_px)
     problem = problem or _problem(region)
     if settings.tolerance == 0 and settings.grow and not problem and region.any():
-        whole = closed(grown(small, region), settings.close_px)
+        whole = fitted(small, closed(grown(small, region), settings.close_px))
         # What ran out into the background is no better than what was filled.
         region = region if _problem(whole) else whole
     mask = region
