@@ -99,7 +99,7 @@ def sparse_reflectance(
 
 
 def brightest_pixels(
-    light: NDArray[np.float64],
+    light: NDArray[np.floating[Any]],
     own: NDArray[np.float32],
     *,
     width_px: int = 64,
@@ -132,7 +132,7 @@ def brightest_pixels(
     return np.where(best >= 0, order[best], -1) if len(order) else best, hits.astype(np.int32)
 
 
-def _from_dark_to_bright(light: NDArray[np.float64]) -> NDArray[np.int64]:
+def _from_dark_to_bright(light: NDArray[np.floating[Any]]) -> NDArray[np.int64]:
     """The order of pixels by their light, and of equal ones from last to first.
 
     Two sorts of plain numbers take less than one that is stable.
