@@ -267,7 +267,10 @@ class Outcome:
 
 
 def epochs_to_within(curve: Sequence[float], share: float = 0.05) -> int:
-    """The first epoch from which a curve is within a share above its last value, from 1 on."""
-    limit = curve[-1] * (1 + share)
-    late = np.flatnonzero(np.asarray(curve) > limit)
-    return int(late[-1]) + 2 if len(late) else 1
+    """The first epoch at which a curve is within a share of its end, from 1 on.
+
+    The end is the mean of the last fifth, since a last epoch may be a lucky one.
+    """
+    values = np.asarray(curve, np.float64)
+    end = float(values[min(int(np.ceil(0.8 * len(values))), len(values) - 1) :].mean())
+    return int(np.flatnonzero(values <= end * (1 + share))[0]) + 1

@@ -92,10 +92,13 @@ def test_every_statement_is_of_experiments_of_the_suite():
     assert {one.number for one in STATEMENTS} >= {f"5.{n}" for n in range(1, 7)}
 
 
-def test_epochs_to_within_counts_from_the_last_time_above():
-    assert epochs_to_within([10, 3, 1.04, 1.2, 1.01, 1.0]) == 5
+def test_epochs_to_within_5_percent_of_the_end():
+    assert epochs_to_within([10, 3, 1.04, 1.2, 1.01, 1.0]) == 3
     assert epochs_to_within([1.0, 1.0]) == 1
     assert epochs_to_within([9.0, 1.0]) == 2
+    # The end is the mean of the last fifth: 1.5.
+    assert epochs_to_within([9, 8, 7, 6, 5, 4, 3, 1.57, 2.0, 1.0]) == 8
+    assert epochs_to_within([5.0]) == 1
 
 
 def test_scores_of_an_entrant_are_means_over_seeds(outcome):

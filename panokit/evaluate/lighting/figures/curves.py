@@ -24,7 +24,6 @@ _TITLES = {
     "F5.5": "Composited background and a branch of its own",
     "F5.6": "One similarity and a pyramid of them",
 }
-# Pairs of figures that are read side by side.
 _LEAST_SEEDS_FOR_BAND = 3
 
 
@@ -83,14 +82,15 @@ def _drawn(
     label(axis, "epoch", "validation SSD of code values")
     legend(axis, loc="upper right")
     seeds = sorted({len(curves) for _, curves, _ in series})
-    said = " and ".join(str(one) for one in seeds)
+    seeds_told = f"{' and '.join(map(str, seeds))} seed{'s' * (seeds[-1] > 1)}"
+    if seeds[-1] >= _LEAST_SEEDS_FOR_BAND:
+        seeds_told += ": the line is their mean, the band reaches from the least to the most"
     return finished(
         figure,
         id_=id_,
         title=_TITLES[id_.split(" ")[0]],
         caption="Sum of squared differences of code values for a validation sample, after each "
-        f"epoch; {said} seeds: the line is their mean, the band reaches from the least to the "
-        "most. All six figures have the same axes; the first epoch may lie above."
+        f"epoch; {seeds_told}. All six figures have the same axes; the first epoch may lie above."
         + (" ~: not converged." if any(unfinished for *_, unfinished in series) else ""),
     )
 
