@@ -22,7 +22,7 @@ help:
 	@echo "make test       the test suite, in an environment of its own"
 	@echo "make check      style, types and layers"
 	@echo "make test-slow  tests that take minutes"
-	@echo "make test-browser  the report in a headless Chromium, by its pixels (needs Chromium)"
+	@echo "make test-browser  the report and the application in a headless Chromium (needs Chromium)"
 	@echo "make bench      benchmarks"
 	@echo "make bench-report  a report of 200 probes: its size, and how soon it is open (needs PANOKIT_DATA)"
 	@echo "make bench-library  a library of 10,000 probes: listing, filters, indexing"
@@ -128,7 +128,7 @@ $(STITCHERS)/.installed: tests/benchmarks/peers/requirements-stitching.txt
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet -e ".[train,render,cities,dev]"
+	$(BIN)/pip install --quiet -e ".[train,render,cities,app,dev]"
 	touch $@
 
 clean:

@@ -113,7 +113,7 @@ def probe_facts(probe: Probe) -> list[tuple[str, str]]:
     capture, sun = probe.capture, probe.sun
     rows = [
         ("Kind", _KINDS.get(probe.kind, probe.kind)),
-        ("Category", probe.category),
+        ("Category", probe.category.replace("_", " ")),
         ("Place", capture.place if capture else ""),
         ("Taken", capture.time.strftime("%Y-%m-%d") if capture and capture.time else ""),
         ("Size", f"{probe.width_px} × {probe.width_px // 2} px"),
@@ -155,7 +155,7 @@ def check_rows(probe: Probe) -> list[tuple[str, str, str, str]]:
     rows = []
     for one in probe.report.checks:
         judged = str(one.verdict) if one.verdict in (Verdict.PASS, Verdict.FAIL) else ""
-        figure = "" if one.value is None else format_figure(one.value, one.unit)
+        figure = "does not apply" if one.value is None else format_figure(one.value, one.unit)
         rows.append((words_of(one.name), figure, _limits(one), judged))
     return rows
 

@@ -53,21 +53,11 @@ class LightResult:
         self._box.clear()
         self._record = None
 
-    def show(self, result: SessionResult, page: bytes, pictures: tuple[bytes, bytes]) -> None:
-        """Show what was read.
-
-        Args:
-            result: Of the reading.
-            page: The viewer's.
-            pictures: The frame as it is, and with relit balls; JPEG.
-        """
+    def show(self, result: SessionResult, page: bytes) -> None:
+        """Show what was read, in the viewer whose page this is."""
         self.clear()
         desk = self._place.desk
         address = desk.publish(page, "text/html; charset=utf-8", key="light")
-        before, after = (
-            desk.publish(picture, "image/jpeg", key=key)
-            for picture, key in zip(pictures, ("frame", "relit"), strict=True)
-        )
         with self._box, box("stage-step", "section"):
             words("h2", "The light")
             with box("two"):
@@ -80,21 +70,32 @@ class LightResult:
                     if result.estimate.warnings:
                         words("h3", "To mind")
                         notes(result.estimate.warnings)
-            words("h3", "Relit balls in the frame")
-            with box("pair"):
-                for address, alt, caption in (
-                    (before, "The frame", "The frame as it is"),
-                    (after, "The frame with two relit balls and their shadows",
-                     "With a gray and a mirror ball, lit by what was read"),
-                ):  # fmt: skip
-                    with box("", "figure"):
-                        image(address, alt, "shot")
-                        words("figcaption", caption)
+            self._balls = box()
             with box("bar-row"):
                 button("Add another object", self._place.begin_another)
                 words("p", "Several objects in the same light are fused into one map.",
                       "small quiet-text")  # fmt: skip
         scroll_to(self._box)
+
+    def show_balls(self, pictures: tuple[bytes, bytes]) -> None:
+        """Show the frame as it is, and with relit balls; JPEG."""
+        desk = self._place.desk
+        texts = (
+            ("frame", "The frame", "The frame as it is"),
+            (
+                "relit",
+                "The frame with two relit balls and their shadows",
+                "With a gray and a mirror ball, lit by what was read",
+            ),
+        )
+        self._balls.clear()
+        with self._balls:
+            words("h3", "Relit balls in the frame")
+            with box("pair"):
+                for picture, (key, alt, caption) in zip(pictures, texts, strict=True):
+                    with box("", "figure"):
+                        image(desk.publish(picture, "image/jpeg", key=key), alt, "shot")
+                        words("figcaption", caption)
 
     def _downloads(self, result: SessionResult) -> None:
         words("h3", "Download")

@@ -128,9 +128,11 @@ class LightViews:
             model = await work.in_thread(reading.loaded_model, name)
             self._reading.step("Reading the light")
             result = await work.in_thread(current.read, model)
-            page = await work.in_thread(reading.light_page, result.estimate)
-            pictures = await work.in_thread(current.shown, result)
-            self._place.result.show(result, page, pictures)
+            self._place.result.show(
+                result, await work.in_thread(reading.light_page, result.estimate)
+            )
+            self._reading.step("Lighting two balls")
+            self._place.result.show_balls(await work.in_thread(current.shown, result))
 
         self._place.result.clear()
         await self._reading.run(read, "Loading the model")

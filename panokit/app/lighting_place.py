@@ -295,7 +295,8 @@ class LightingPlace:
                     shown = len(seen)
                     self._show_seen(seen)
             self._show_seen(seen)
-            await following
+            found = await following
+            self.film.show(found.pair.right.number)
             self.views.show()
 
         with self._panel:

@@ -9,6 +9,8 @@ from nicegui import ui
 from nicegui.element import Element
 
 Handler: TypeAlias = Callable[[], Awaitable[None] | None]
+# An attribute, not Vue's `value`: that would undo what was typed whenever the page changes.
+_START_VALUE = "^value"
 Taker: TypeAlias = Callable[[Any], Awaitable[None] | None]
 
 
@@ -87,7 +89,7 @@ def text_field(
         words("span", label, "field-label")
         typed = ui.element("input").classes("control")
         typed.props["type"] = kind
-        typed.props["value"] = value
+        typed.props[_START_VALUE] = value
         typed.props["placeholder"] = placeholder
         typed.props["autocomplete"] = "off"
         typed.props["spellcheck"] = "false"
@@ -117,7 +119,7 @@ def slider(
     with box("row-slider", "label"):
         words("span", label, "field-label")
         moved = ui.element("input")
-        for name, one in (("min", low), ("max", high), ("step", step), ("value", value)):
+        for name, one in (("min", low), ("max", high), ("step", step), (_START_VALUE, value)):
             moved.props[name] = one
         moved.props["type"] = "range"
         shown = words("output", f"{value:g}")
