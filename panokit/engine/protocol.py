@@ -40,12 +40,25 @@ class SerialEngine:
     def run(self, task: Callable[[Item], Outcome], items: Iterable[Item]) -> Iterator[Outcome]:
         """The outcome of each item, in the order of the items."""
         for item in items:
-            with reports_to(self._on_report):
+            with reports_to(self._on_report), _one_opencv_thread():
                 outcome = task(item)
             yield outcome
 
     def close(self) -> None:
         """Nothing is held."""
+
+
+@contextmanager
+def _one_opencv_thread() -> Iterator[None]:
+    """Some of OpenCV's sums depend on how many threads share them: here as in all workers, one."""
+    import cv2  # here, because a run without items needs it not
+
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)
 
 
 def report(value: Any) -> None:

@@ -127,6 +127,17 @@ def test_relative_paths_mean_the_same_and_a_worker_has_one_thread(several, tmp_p
     assert (outcome.item, outcome.key) == ("here", "1")
 
 
+def opencv_threads(item: str) -> Receipt:
+    import cv2
+
+    return Receipt(item=item, stage="test", path=Path(item), key=str(cv2.getNumThreads()))
+
+
+def test_opencv_has_one_thread_so_that_sums_are_the_same_everywhere(told):
+    (outcome,) = told.run(opencv_threads, ["a"])
+    assert outcome.key == "1"
+
+
 def record(target: Path) -> Receipt:
     """Works for a while and then writes its record, at once, unless it is there."""
     if not target.exists():
