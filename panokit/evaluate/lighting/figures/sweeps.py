@@ -198,7 +198,8 @@ def draw_memory(outcome: Outcome) -> list[FigureFile]:
     figure, axes = panel(width_in=2.1 * len(several) + 0.3, height_in=2.5, columns=len(several))
     for axis, entrant, (truth, known) in zip(np.atleast_1d(axes), several, pairs, strict=True):
         axis.plot([0, most], [0, most], color=INK, lw=0.7, ls=":")
-        axis.plot(truth, known, ".", color=COLORS[0], ms=2.2, alpha=0.5, mew=0)
+        dot = 2.2 if len(truth) > 300 else 4.5
+        axis.plot(truth, known, ".", color=COLORS[0], ms=dot, alpha=0.5, mew=0)
         axis.set_xlim(0, most)
         axis.set_ylim(-0.03 * most, most)
         axis.set_title(f"{entrant.title}: {100 * float(np.mean(known < truth)):.0f} %",
