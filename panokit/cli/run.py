@@ -91,10 +91,13 @@ def report_run(result: "RunResult", max_rejected_share: float, console: Console)
         console.result(batch.summary())
     if result.report:
         console.result(f"Report: {result.report}")
+    if result.overview:
+        console.result(f"The run: {result.overview}")
     console.value(
         {
             "run": str(result.run.root),
             "report": result.report and str(result.report),
+            "overview": result.overview and str(result.overview),
             "nothing_to_do": result.nothing_to_do,
             "stages": {
                 batch.stage: {

@@ -41,9 +41,15 @@ class RunResult:
 
     @property
     def report(self) -> Path | None:
-        """The report of the run, if it came that far; else that of QA."""
-        paths = (self.run.root / "report.html", self.run.qa / "report.html")
-        return next((path for path in paths if path.exists()), None)
+        """QA's report of the maps, if the run came that far."""
+        report = self.run.qa / "report.html"
+        return report if report.exists() else None
+
+    @property
+    def overview(self) -> Path | None:
+        """The report of the run itself."""
+        overview = self.run.root / "report.html"
+        return overview if overview.exists() else None
 
     @property
     def rejections(self) -> tuple[Rejection, ...]:
