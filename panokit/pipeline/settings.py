@@ -196,7 +196,7 @@ class PipelineSettings(Settings):
     """How the models are judged."""
 
     @classmethod
-    def model_rebuild(cls, **how: Any) -> bool | None:  # type: ignore[override]
+    def model_rebuild(cls, **how: Any) -> bool | None:
         """Finish the class when it is first used: recipes bring numpy, --help can do without."""
         from panokit.train.stereo.recipe import LightingRecipe
 
