@@ -48,9 +48,9 @@ class BackgroundWindow(nn.Module):
         linear = torch.where(encoded <= 0.04045, encoded / 12.92, curve)
         size = linear.shape[-1]
         small = F.avg_pool2d(linear, size // _READ_PX) if size > _READ_PX else linear
-        grid = self.grid.expand(len(small), -1, -1, -1)
+        grid = self.grid.expand(small.shape[0], -1, -1, -1)
         seen = F.grid_sample(small, grid, padding_mode="border", align_corners=False)
-        inside = self.inside.expand(len(small), -1, -1, -1)
+        inside = self.inside.expand(small.shape[0], -1, -1, -1)
         return torch.cat([encode(seen, self.coding) * inside, inside], dim=1)
 
 

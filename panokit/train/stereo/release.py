@@ -7,6 +7,8 @@ from pathlib import Path
 import torch
 from torch import Tensor, nn
 
+from panokit.errors import ModelError
+from panokit.inference import Session
 from panokit.io.files import write_bytes
 from panokit.networks.stereo.coding import decode
 from panokit.train.release import export
@@ -64,7 +66,7 @@ def release_lighting(recipe: LightingRecipe, network: nn.Module, folder: Path) -
     """Write the network and `model.toml`, which comes last.
 
     Raises:
-        ModelError: If ONNX Runtime does not give what torch gives.
+        ModelError: If ONNX Runtime does not give what torch gives, or takes one batch size alone.
     """
     folder.mkdir(parents=True, exist_ok=True)
     example = {
@@ -74,6 +76,9 @@ def release_lighting(recipe: LightingRecipe, network: nn.Module, folder: Path) -
     batch = torch.export.Dim("batch", min=1, max=4096)
     released = Released(network, recipe)
     export(released, example, ("radiance",), {0: batch}, folder / FILE, parity=PARITY)
+    shapes = Session(folder / FILE, device="cpu").input_shapes
+    if any(shape[0] is not None for shape in shapes):
+        raise ModelError(f"{FILE} takes one batch size alone: {shapes}. Mend the network.")
     write_bytes(folder / "model.toml", _description(recipe, folder).encode())
 
 

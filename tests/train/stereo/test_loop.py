@@ -54,9 +54,16 @@ def test_every_kind_learns(kind, pack, tmp_path):
     assert not network.training
 
 
-@pytest.mark.parametrize("kind", ["stereo", "dematerial"])
-def test_a_released_model_predicts_what_torch_does(kind, pack, members, tmp_path):
-    recipe = TINY.model_copy(update={"kind": kind})
+EVERYTHING = StereoNetSettings(
+    width=4, input_px=32, wrap=True, window=True, lights=2, dropout=0.2, pyramid=True
+)
+
+
+@pytest.mark.parametrize(
+    "changes", [{"kind": "stereo"}, {"kind": "dematerial"}, {"network": EVERYTHING}]
+)
+def test_a_released_model_predicts_what_torch_does(changes, pack, members, tmp_path):
+    recipe = TINY.model_copy(update=changes)
     torch.manual_seed(1)
     network = build_network(recipe).eval()
     release_lighting(recipe, network, tmp_path / "model")
