@@ -13,8 +13,9 @@ from panokit.probes.entry import Entry
 from panokit.probes.probe import Probe
 from panokit.probes.settings import ExportSettings, ProbeFilter, SelectSettings
 from panokit.qa.verdicts import Check, Verdict
-from panokit.report import format_figure, format_limit, light_map, render_viewer
-from panokit.report.wording import words_of
+from panokit.report.entries import light_map
+from panokit.report.page import render_viewer
+from panokit.report.wording import format_figure, format_limit, words_of
 
 _MAP_PX = 768
 _FLAGS = {"yes": True, "no": False}

@@ -1,5 +1,6 @@
 """Expand a panorama: drop one, look around in its light, compare methods, download it."""
 
+from functools import partial
 from pathlib import Path
 
 from nicegui import ui
@@ -23,6 +24,7 @@ from panokit.app.widgets import (
     words,
 )
 from panokit.app.work import Work
+from panokit.errors import PanokitError
 from panokit.expand.settings import ExpandSettings
 from panokit.inpaint.settings import InpaintSettings
 from panokit.synthetic.embedded import embedded_city
@@ -42,7 +44,7 @@ class ExpandPlace:
         self.desk, self.work = desk, work
         self.model, self.width_px, self.fill = settings.model, 1024, True
         self.source: Path | None = None
-        self.name = ""
+        self.name = self.license = ""
         self.filled: Filled | None = None
         self.maps: dict[str, Expanded] = {}
         self.compared: set[str] = set()
@@ -77,15 +79,15 @@ class ExpandPlace:
 
     async def _sample(self) -> None:
         picture = embedded_city()[0]
-        await self._take(picture.image, "A square of the embedded city")
+        terms = picture.capture.license
+        said = f"{terms.id}. {terms.attribution}".strip()
+        await self._take(picture.image, "A square of the embedded city", said)
 
-    async def _take(self, source: Path, name: str) -> None:
-        if self._progress.busy:
-            return
-        self.source, self.name = source, name
+    async def _take(self, source: Path, name: str, license: str = "") -> None:
+        self.source, self.name, self.license = source, name, license
         self.filled, self.maps, self.compared = None, {}, set()
         self._result.clear()
-        await self._progress.run(self._compute, "Looking for holes")
+        await self._again()
 
     async def _choose_model(self, model: str) -> None:
         self.model = model
@@ -100,7 +102,7 @@ class ExpandPlace:
         self.fill, self.filled, self.maps = fill, None, {}
         await self._again()
 
-    async def _compare(self, model: str, *, on: bool) -> None:
+    async def _compare(self, model: str, on: bool) -> None:
         (self.compared.add if on else self.compared.discard)(model)
         await self._again()
 
@@ -108,42 +110,51 @@ class ExpandPlace:
         if self.source is not None and not self._progress.busy:
             await self._progress.run(self._compute, "Working")
 
+    def _wanted(self) -> tuple[object, ...]:
+        """What is to be shown, as it is chosen now."""
+        return self.source, self.model, self.width_px, self.fill, frozenset(self.compared)
+
     async def _compute(self) -> None:
-        """Everything that is not there yet, with the page telling of each step."""
+        """Everything that is not there yet; again, if something else was chosen meanwhile."""
         while True:
-            wanted = (self.source, self.model, self.width_px, self.fill, frozenset(self.compared))
-            await self._compute_once()
-            if wanted == (
-                self.source, self.model, self.width_px, self.fill, frozenset(self.compared)
-            ):  # fmt: skip
+            wanted = self._wanted()
+            try:
+                await self._compute_once(wanted)
+            except PanokitError:
+                # What was wrong with a picture that was replaced is not told any more.
+                if wanted == self._wanted():
+                    raise
+            if wanted == self._wanted():
                 return
 
-    async def _compute_once(self) -> None:
-        source = self.source
+    async def _compute_once(self, wanted: tuple[object, ...]) -> None:
+        source, filled, maps = self.source, self.filled, dict(self.maps)
         if source is None:
             return
         step, run = self._progress.step, self.work.in_process
-        if self.filled is None:
+        if filled is None:
             step("Looking for holes and filling them" if self.fill else "Reading the panorama")
-            settings = InpaintSettings() if self.fill else None
-            self.filled = await run(
-                expanding.fill_holes, source, self.desk.room("filled"), settings
-            )
-        for model in [self.model, *sorted(self.compared)]:
-            if model not in self.maps:
+            holes = InpaintSettings() if self.fill else None
+            filled = await run(expanding.fill_holes, source, self.desk.room("filled"), holes)
+        compared = sorted(self.compared)
+        for model in [self.model, *compared]:
+            if wanted != self._wanted():
+                return
+            if model not in maps:
                 step(f"Expanding with {self._models[model]}")
                 settings = ExpandSettings(model=model, width_px=self.width_px)
                 folder = self.desk.folder / "maps"
                 folder.mkdir(exist_ok=True)
-                self.maps[model] = await run(
-                    expanding.expand_picture, self.filled.path, folder, settings
-                )
+                maps[model] = await run(expanding.expand_picture, filled.path, folder, settings)
+        if wanted != self._wanted():
+            return
+        self.filled, self.maps = filled, maps
         step("Preparing the viewer")
-        others = [self.maps[one] for one in sorted(self.compared) if one != self.model]
-        page = await run(
-            expanding.viewer_page, self.maps[self.model], others, self.filled.path, self.name
-        )
-        self._show(self.filled, self.maps[self.model], page)
+        shown = maps[self.model]
+        others = [maps[one] for one in compared if one != shown.model]
+        page = await run(expanding.viewer_page, shown, others, filled.path, self.name)
+        if wanted == self._wanted():
+            self._show(filled, shown, page)
 
     def _show(self, filled: Filled, shown: Expanded, page: bytes) -> None:
         address = self.desk.publish(page, "text/html; charset=utf-8", key="expanded")
@@ -169,7 +180,7 @@ class ExpandPlace:
                     check(
                         name,
                         value=model in self.compared,
-                        take=lambda on, model=model: self._compare(model, on=bool(on)),
+                        take=partial(self._compare, model),
                     )
         words(
             "p",
@@ -211,10 +222,11 @@ class ExpandPlace:
         with place:
             for form, name in expanding.FORMS.items():
                 kind = "primary" if form == "exr" else ""
-                button(name, lambda form=form: make(form), kind=kind, label=f"Download as {name}")
+                button(name, partial(make, form), kind=kind, label=f"Download as {name}")
 
-    @staticmethod
-    def _license(filled: Filled) -> str:
+    def _license(self, filled: Filled) -> str:
+        if self.license:
+            return self.license
         if filled.license == "unknown":
             return "Not known: the picture says nothing of it. Whoever took it decides."
         return f"{filled.license}. {filled.attribution}".strip()

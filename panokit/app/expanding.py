@@ -22,7 +22,8 @@ from panokit.io.pictures import write_environment_map
 from panokit.pipeline.tasks import StageTask, run_task
 from panokit.probes.exporting import export_map
 from panokit.probes.settings import ExportSettings
-from panokit.report import light_map, render_viewer
+from panokit.report.entries import light_map
+from panokit.report.page import render_viewer
 from panokit.weights import released_models
 
 ANALYTIC_METHODS = {

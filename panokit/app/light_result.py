@@ -1,6 +1,7 @@
 """What was read: the map, how sure it is, what to mind, relit balls in the frame, and files."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -125,7 +126,7 @@ class LightResult:
         with place:
             for form, name in FORMS.items():
                 kind = "primary" if form == "exr" else ""
-                button(name, lambda form=form: make(form), kind=kind, label=f"Download as {name}")
+                button(name, partial(make, form), kind=kind, label=f"Download as {name}")
 
 
 def files_of(form: str, record: dict[str, Any], room: Path) -> Sequence[Path]:

@@ -1,7 +1,10 @@
 """The two snapshots side by side, to be confirmed, or corrected with a brush."""
 
+from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING
+
+from nicegui.element import Element
 
 from panokit.app import reading
 from panokit.app.film import Film, Mode
@@ -84,7 +87,7 @@ class LightViews:
         )
 
     def _tools(self) -> None:
-        made = {}
+        made: dict[Mode, Element] = {}
 
         def choose(mode: Mode) -> None:
             for film in self._films.values():
@@ -95,7 +98,7 @@ class LightViews:
 
         with box("bar-row buttons").props('role="group" aria-label="What a pointer does"'):
             for mode, text in _MODES.items():
-                made[mode] = button(text, lambda mode=mode: choose(mode))
+                made[mode] = button(text, partial(choose, mode))
         choose("look")
 
     def _tell(self, warnings: tuple[str, ...]) -> None:

@@ -2,10 +2,12 @@
 
 import asyncio
 from collections.abc import Callable
+from functools import partial
 from itertools import count
 from pathlib import Path
 
 from nicegui import ui
+from nicegui.element import Element
 
 from panokit.app import reading
 from panokit.app.desks import Desk
@@ -48,6 +50,8 @@ _KEYS = (
 )
 _MODES: dict[Mode, str] = {"pick": "Select", "add": "Add", "remove": "Remove"}
 _POLL_S = 0.15
+# Where the object was in the last frames; an hour of boxes would be slow to send.
+_BOXES = 400
 _SLIDER = {"low": 2.0, "high": 60.0, "step": 1.0}
 
 
@@ -94,7 +98,7 @@ class LightingPlace:
                     ):
                         text_field(
                             label, f"{self._held[name]:g}",
-                            lambda text, name=name: self._hold(name, text), kind="number",
+                            partial(self._hold, name), kind="number",
                         )  # fmt: skip
 
     def _fail(self, text: str) -> None:
@@ -119,7 +123,9 @@ class LightingPlace:
             return
         self._progress.clear()
         if self.reading is not None:
-            self.reading.settings = settings
+            # Views that were cut out for another camera are not true any more.
+            self.reading.settings, self.reading.found = settings, None
+            self._after_change()
 
     async def _sample(self) -> None:
         await self.open(clip_path(), "The sample clip")
@@ -156,6 +162,8 @@ class LightingPlace:
 
     def _leave(self) -> None:
         """Everything of the video before is gone."""
+        if self.reading is not None:
+            self.reading.close()
         self.reading = None
         self._stage.clear()
         self.views.clear()
@@ -207,7 +215,7 @@ class LightingPlace:
             words("p", _KEYS, "small quiet-text").props(f'id="{_HINT}"')
 
     def _mode_buttons(self) -> None:
-        made = {}
+        made: dict[Mode, Element] = {}
 
         def choose(mode: Mode) -> None:
             self.film.set_mode(mode)
@@ -217,7 +225,7 @@ class LightingPlace:
 
         with box("buttons").props('role="group" aria-label="What a click does"'):
             for mode, text in _MODES.items():
-                made[mode] = button(text, lambda mode=mode: choose(mode))
+                made[mode] = button(text, partial(choose, mode))
         choose("pick")
 
     def _tell(self, selection: Selection) -> None:
@@ -247,7 +255,7 @@ class LightingPlace:
             while self._wanted is not None:
                 wanted, self._wanted = self._wanted, None
                 self._after_change()
-                await self._selected(lambda wanted=wanted: current.tolerate(wanted))
+                await self._selected(partial(current.tolerate, wanted))
         finally:
             self._sliding = False
 
@@ -314,7 +322,7 @@ class LightingPlace:
         self.film.set_boxes(
             {
                 one.number: (one.box.x, one.box.y, one.box.width, one.box.height, one.state)
-                for one in seen
+                for one in seen[-_BOXES:]
             }
         )
         last = seen[-1].number

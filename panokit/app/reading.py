@@ -28,7 +28,8 @@ from panokit.lighting.settings import OutputSettings, SelectSettings, SessionSet
 from panokit.lighting.snapshots import Snapshot, StereoPair, stereo_pair
 from panokit.lighting.track import TrackedFrame
 from panokit.lighting.video import Frames, open_frames, smaller
-from panokit.report import light_map, render_viewer
+from panokit.report.entries import light_map
+from panokit.report.page import render_viewer
 from panokit.weights import released_models
 
 SHOWN_PX = 960
@@ -75,6 +76,13 @@ class Reading:
         self.found: FoundPair | None = None
         self.confirmed: list[FoundPair] = []
         self.stop = threading.Event()
+
+    def close(self) -> None:
+        """Let the file go; a frame that is being read is read first."""
+        self.stop.set()
+        close = getattr(self.frames, "close", None)
+        if close is not None:
+            close()
 
     @property
     def fov_deg(self) -> float:

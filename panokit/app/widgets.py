@@ -73,6 +73,8 @@ def choice(
     with box("field", "label"):
         words("span", label, "field-label")
         chosen = ui.element("select").classes("control")
+        # Else its options would be part of its name.
+        chosen.props["aria-label"] = label
         with chosen:
             for one, name in options.items():
                 option = words("option", name)

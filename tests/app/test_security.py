@@ -37,9 +37,19 @@ def test_its_own_names_are_answered(host):
 
 @pytest.mark.parametrize(
     "host",
-    ["evil.example", "evil.example:8710", "127.0.0.1", "127.0.0.1:80", "127.0.0.1.evil.example:8710",
-     "localhost:8711", "", "127.0.0.1:8710@evil.example", "0.0.0.0:8710", "192.168.1.7:8710"],
-)  # fmt: skip
+    [
+        "evil.example",
+        "evil.example:8710",
+        "127.0.0.1",
+        "127.0.0.1:80",
+        "127.0.0.1.evil.example:8710",
+        "localhost:8711",
+        "",
+        "127.0.0.1:8710@evil.example",
+        "0.0.0.0:8710",
+        "192.168.1.7:8710",
+    ],
+)
 def test_foreign_hosts_are_refused(host):
     assert refusal([(b"host", host.encode())], PORT)
 
