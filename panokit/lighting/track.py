@@ -26,7 +26,7 @@ _SAME_BOX, _SAME_AREA = 0.7, 1.3
 _MOST_OF_IT = 0.6
 # Further than this off what was filled, the filter starts anew there.
 _DRIFT = 0.82
-_INSIDE = 0.7
+_INSIDE, _DIMMED = 0.7, 1.12
 _BINS = (8, 12, 12)
 _MAKERS: dict[str, Callable[[], Any]] = {
     "kcf": cv2.TrackerKCF_create,  # type: ignore[attr-defined]
@@ -113,6 +113,7 @@ class Follower:
         size = (small.shape[1], small.shape[0])
         mask = cv2.resize(selection.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
         self._box = self._box_first = selection.box.scaled(self._scale)
+        self._level = _level(small)
         self._colors = _histogram(small, self._box, np.asarray(mask, np.uint8))
         self._inner = _histogram(small, self._box)
         # Where in the box the click was; the color is filled from there again.
@@ -130,11 +131,12 @@ class Follower:
             self._filled_first[0].overlap(self._box) < _MOST_OF_IT
         ):
             self._filled_first = None
+        self._area = self._filled_first[1] if self._filled_first else 0.0
         self._filter = self._started(small, self._box)
 
     def see(self, number: int, picture: Picture) -> TrackedFrame:
         """Find the object in the next frame."""
-        small, _ = smaller(picture, self.settings.width_px)
+        small = self._as_bright(smaller(picture, self.settings.width_px)[0])
         there, found = self._filter.update(small[..., ::-1])
         box = Box(**dict(zip(("x", "y", "width", "height"), map(float, found), strict=True)))
         if not there or box.width < 1:
@@ -155,6 +157,13 @@ class Follower:
             state="found" if is_found else "lost", likeness=round(likeness, 3),
         )  # fmt: skip
 
+    def _as_bright(self, small: Picture) -> Picture:
+        """A frame as bright as the first: where all of it dims, the object is not another."""
+        gain = self._level / _level(small)
+        if 1 / _DIMMED < gain < _DIMMED:
+            return small
+        return np.asarray(np.clip(small * np.clip(gain, 0.2, 5.0), 0, 255), np.uint8)
+
     def _started(self, small: Picture, box: Box) -> Any:
         made = _MAKERS[self.settings.tracker]()
         left, top = max(0, int(box.x)), max(0, int(box.y))
@@ -173,8 +182,8 @@ class Follower:
         now = self._flooded(small, box)
         if now is None:
             return None
-        (first, first_area), (found, area) = self._filled_first, now
-        if not first_area / _SAME_AREA < area < first_area * _SAME_AREA:
+        (first, _), (found, area) = self._filled_first, now
+        if not self._area / _SAME_AREA < area < self._area * _SAME_AREA:
             return None
         # What is filled was a part of the box at the click, and is the same part now.
         start = self._box_first
@@ -183,7 +192,11 @@ class Follower:
             x=found.x + (start.x - first.x) * wide, y=found.y + (start.y - first.y) * high,
             width=start.width * wide, height=start.height * high,
         )  # fmt: skip
-        return moved if moved.overlap(box) >= _SAME_BOX else None
+        if moved.overlap(box) < _SAME_BOX:
+            return None
+        # It may come nearer, but not become another one at once.
+        self._area = area
+        return moved
 
     def _flooded(self, small: Picture, box: Box) -> tuple[Box, float] | None:
         """Box and area of the clicked color around a box."""
@@ -272,6 +285,11 @@ def _histogram(
     for axis in range(3):
         soft = 0.5 * soft + 0.25 * (np.roll(soft, 1, axis) + np.roll(soft, -1, axis))
     return np.asarray(soft / max(float(soft.sum()), 1e-6), np.float32)
+
+
+def _level(small: Picture) -> float:
+    """How bright a frame is, in coded values."""
+    return max(float(small[::4, ::4].mean()), 1.0)
 
 
 def _window(small: Picture, box: Box, margin: float) -> tuple[int, int, int, int]:

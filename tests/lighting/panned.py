@@ -33,6 +33,8 @@ class Thing:
     fov_deg: float = 60.0
     slides: bool = False
     shakes_deg: float = 0.0
+    # Whether one click, without a tolerance set, selects it.
+    selectable: bool = True
 
     def outline(self) -> np.ndarray:
         """(N, 3) directions on it."""
@@ -40,7 +42,9 @@ class Thing:
         if self.is_round:
             turn = np.linspace(0, 2 * np.pi, 64, endpoint=False)
             half = np.ptp(points, axis=0) / 2
-            return directions(points.mean(axis=0) + half * np.stack([np.cos(turn), np.sin(turn)], 1))
+            return directions(
+                points.mean(axis=0) + half * np.stack([np.cos(turn), np.sin(turn)], 1)
+            )
         if len(points) == 2:
             (left, top), (right, bottom) = points
             points = np.array([[left, top], [right, top], [right, bottom], [left, bottom]])
@@ -74,12 +78,19 @@ def views_of(thing: Thing, count: int = FRAMES) -> list[View]:
     for k, part in enumerate(np.linspace(-1, 1, count)):
         shake = thing.shakes_deg * np.sin([0.9 * k, 0.53 * k + 1, 0.71 * k + 2])
         heading = azimuth + (0 if thing.slides else part * way_deg) + 0.3 * shake[0]
-        turn = Rotation.from_heading_pitch_roll(*np.deg2rad([heading, elevation + shake[1], shake[2]]))
+        turn = Rotation.from_heading_pitch_roll(
+            *np.deg2rad([heading, elevation + shake[1], shake[2]])
+        )
         shift = -part * focal * np.tan(np.deg2rad(way_deg)) if thing.slides else 0.0
         found.append(
             View(
-                name="left", position=(0, 0, 0), world_from_camera=turn, fov_deg=thing.fov_deg,
-                width_px=SIZE[0], height_px=SIZE[1], shift_px=float(shift),
+                name="left",
+                position=(0, 0, 0),
+                world_from_camera=turn,
+                fov_deg=thing.fov_deg,
+                width_px=SIZE[0],
+                height_px=SIZE[1],
+                shift_px=float(shift),
             )
         )
     return found
@@ -91,7 +102,10 @@ def seen(pixels: np.ndarray, view: View) -> np.ndarray:
     column = (np.arctan2(rays[..., 0], -rays[..., 2]) / (2 * np.pi) + 0.5) * width - 0.5
     row = (0.5 - np.arcsin(rays[..., 1]) / np.pi) * height - 0.5
     return cv2.remap(
-        pixels, column.astype(np.float32), row.astype(np.float32), cv2.INTER_LINEAR,
+        pixels,
+        column.astype(np.float32),
+        row.astype(np.float32),
+        cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_WRAP,
     )
 
@@ -99,7 +113,9 @@ def seen(pixels: np.ndarray, view: View) -> np.ndarray:
 def true_box(thing: Thing, view: View) -> Box:
     column, row, _ = view.project(thing.outline())
     return Box(
-        x=float(column.min()), y=float(row.min()), width=float(np.ptp(column)),
+        x=float(column.min()),
+        y=float(row.min()),
+        width=float(np.ptp(column)),
         height=float(np.ptp(row)),
     )
 
@@ -126,27 +142,87 @@ CORRELATOR = "alma-correlator-facility"
 THINGS = (
     Thing(panorama="lascar", name="rock", corners=((674, 471), (775, 524)), is_round=True),
     Thing(
-        panorama="lascar", name="backpack", slides=True,
+        panorama="lascar",
+        name="backpack",
+        slides=True,
         corners=((962, 529), (1028, 538), (1031, 575), (1003, 573), (944, 553)),
     ),
-    Thing(panorama="alma", name="pad", corners=((725, 417), (891, 445)), is_round=True, slides=True),
-    Thing(panorama="alma", name="slab", corners=((393, 416), (497, 413), (491, 427)), fov_deg=40,
-          click=(470, 418), shakes_deg=0.5),
-    Thing(panorama="bma-0", name="wall", fov_deg=70, slides=True, click=(1318, 330),
-          corners=((1279, 241), (1355, 248), (1355, 404), (1279, 405))),
-    Thing(panorama="bma-0", name="gray door", corners=((733, 387), (748, 421)), fov_deg=20),
+    Thing(
+        panorama="alma", name="pad", corners=((725, 417), (891, 445)), is_round=True, slides=True
+    ),
+    Thing(
+        panorama="alma",
+        name="slab",
+        corners=((393, 416), (497, 413), (491, 427)),
+        fov_deg=40,
+        click=(470, 418),
+        shakes_deg=0.5,
+    ),
+    Thing(
+        panorama="bma-0",
+        selectable=False,
+        name="wall",
+        fov_deg=70,
+        slides=True,
+        click=(1318, 330),
+        corners=((1279, 241), (1355, 248), (1355, 404), (1279, 405)),
+    ),
+    Thing(
+        panorama="bma-0",
+        selectable=False,
+        name="gray door",
+        corners=((733, 387), (748, 421)),
+        fov_deg=20,
+    ),
     Thing(panorama=CORRELATOR, name="door", corners=((953, 357), (1038, 467)), shakes_deg=0.5),
-    Thing(panorama=CORRELATOR, name="sign", corners=((101, 360), (123, 432)), fov_deg=40,
-          click=(112, 385), slides=True),
-    Thing(panorama=CORRELATOR, name="lamp", fov_deg=50, slides=True,
-          corners=((943, 298), (1057, 298), (1064, 317), (938, 316))),
-    Thing(panorama=CORRELATOR, name="light", fov_deg=50, shakes_deg=0.5,
-          corners=((672, 305), (696, 260), (760, 268), (738, 308))),
-    Thing(panorama=CORRELATOR, name="exit", corners=((987, 350), (1002, 362)), fov_deg=20,
-          slides=True, click=(990, 352)),
-    Thing(panorama="jfk", name="pedestal", fov_deg=70, shakes_deg=0.5, click=(690, 520),
-          corners=((636, 514), (652, 479), (777, 477), (797, 513), (716, 566))),
-    Thing(panorama="jfk", name="suitcase", corners=((1268, 452), (1300, 501)), fov_deg=30, slides=True),
-    Thing(panorama="from-tree", name="drain", corners=((577, 491), (602, 503)), is_round=True,
-          fov_deg=20),
+    Thing(
+        panorama=CORRELATOR,
+        name="sign",
+        corners=((101, 360), (123, 432)),
+        fov_deg=40,
+        click=(112, 385),
+        slides=True,
+    ),
+    Thing(
+        panorama=CORRELATOR,
+        name="lamp",
+        fov_deg=50,
+        slides=True,
+        corners=((943, 298), (1057, 298), (1064, 317), (938, 316)),
+    ),
+    Thing(
+        panorama=CORRELATOR,
+        name="light",
+        fov_deg=50,
+        shakes_deg=0.5,
+        corners=((672, 305), (696, 260), (760, 268), (738, 308)),
+    ),
+    Thing(
+        panorama=CORRELATOR,
+        selectable=False,
+        name="exit",
+        corners=((987, 350), (1002, 362)),
+        fov_deg=20,
+        slides=True,
+        click=(990, 352),
+    ),
+    Thing(
+        panorama="jfk",
+        name="pedestal",
+        fov_deg=70,
+        shakes_deg=0.5,
+        click=(690, 520),
+        corners=((636, 514), (652, 479), (777, 477), (797, 513), (716, 566)),
+    ),
+    Thing(
+        panorama="jfk", name="suitcase", corners=((1268, 452), (1300, 501)), fov_deg=30, slides=True
+    ),
+    Thing(
+        panorama="from-tree",
+        selectable=False,
+        name="drain",
+        corners=((577, 491), (602, 503)),
+        is_round=True,
+        fov_deg=20,
+    ),
 )
