@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from panokit.color import luminance
 from panokit.expand.reduce import ReducedPanorama
 from panokit.sphere import label_regions, row_solid_angles
+from panokit.sphere.distance import pixel_distance
 from panokit.sphere.extension import pad_sphere
 
 # Only the largest components are described and scaled one by one.
@@ -73,5 +73,5 @@ def _edge_distance(mask: NDArray[np.bool_]) -> NDArray[np.float32]:
     pixel_deg = 180 / height
     pad = min(int(np.ceil(WIDEST_DEG / pixel_deg)) + 1, height)
     padded = pad_sphere(mask.astype(np.uint8), pad)
-    distance = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return np.minimum(distance[pad:-pad, pad:-pad] * np.float32(pixel_deg), WIDEST_DEG)
+    distance = pixel_distance(padded)[pad:-pad, pad:-pad]
+    return np.minimum(distance * np.float32(pixel_deg), WIDEST_DEG)

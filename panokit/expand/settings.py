@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from panokit.settings import Settings
 
-VERSION = "3"
+VERSION = "4"
 
 ANCHORS = ("anchor_white_cd_m2", "anchor_sky_cd_m2", "anchor_sun_lx", "anchor_sun_w_m2")
 

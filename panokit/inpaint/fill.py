@@ -14,6 +14,7 @@ from panokit.inpaint.membrane import membrane
 from panokit.inpaint.opencv import OPENCV_METHODS, drawn_by_opencv
 from panokit.inpaint.texture import texture
 from panokit.sphere import equirect_directions, row_solid_angles
+from panokit.sphere.distance import pixel_distance
 
 # Up to this radius a hole is a speck, and the lines around it can be drawn through it.
 _SPECK = np.deg2rad(1.0)
@@ -112,10 +113,7 @@ def fill_region(
     view = coding.encode(view)
     in_hole, known = hole_share > 0, unknown_share == 0
     rim_px = max(filler.rim * face.px_per_radian, 1.0)
-    outside = (~in_hole).astype(np.uint8)
-    away_px = np.asarray(
-        cv2.distanceTransform(outside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE), np.float32
-    )
+    away_px = pixel_distance(~in_hole)
     filling, used = _filling(view, known, away_px, rim_px, region, filler)
     opacity = _fade(np.asarray(1 - away_px / rim_px, np.float32))
     paste(picture, face, filling, opacity, hole[region.rows], region.rows, coding)

@@ -7,7 +7,7 @@ from pydantic import Field, field_validator, model_validator
 
 from panokit.settings import Settings
 
-VERSION = "2"
+VERSION = "3"
 
 
 class InpaintSettings(Settings):

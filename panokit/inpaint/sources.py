@@ -4,6 +4,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from panokit.sphere.distance import pixel_distance
+
 # Gray levels: the encoding puts white at 255, and what a lamp adds to it above.
 _HIGHLIGHT = 240
 _MOST_HIGHLIGHTS = 0.08
@@ -43,7 +45,7 @@ def strangeness(
     """
     soft = cv2.blur(picture, (5, 5), borderType=cv2.BORDER_REFLECT)
     place = np.clip(soft / _LEVELS_PER_BIN, 0, _BINS - 1)
-    away = cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    away = pixel_distance(~hole)
     ring = known & (away < _RING_SHARE * np.sqrt(hole.sum()))
     if not ring.any():
         return np.zeros(known.shape, np.float32)
@@ -92,7 +94,7 @@ def uniqueness(
         mean = cv2.blur(length, (_PATCH_PX, _PATCH_PX)) / np.maximum(share, 1e-6)
         mean[share < 0.7] = np.inf
         np.minimum(least[own], mean, out=least[own])
-    away = cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    away = pixel_distance(~hole)
     ring = known & (away < _RING_SHARE * np.sqrt(hole.sum())) & np.isfinite(least)
     if not ring.any():
         return np.zeros(known.shape, np.float32)
