@@ -13,8 +13,8 @@ def estimate_facts(result: SessionResult) -> list[tuple[str, str]]:
     rows = []
     confidence = estimate.confidence
     if confidence is not None:
-        rows.append(("Radiance", f"within a factor of {1 / confidence.value:.1f} on the mean"))
-        rows.append(("Direction of the light", f"within about {confidence.direction_deg:.0f}°"))
+        rows.append(("Radiance", f"off by a factor of {1 / confidence.value:.1f}"))
+        rows.append(("Direction of the light", f"off by about {confidence.direction_deg:.0f}°"))
         measured = "measured on data" if confidence.calibrated else "the model's own doubt"
         rows.append(("These figures are", measured))
     primary = find_lights(np.asarray(estimate.envmap.radiance)).primary
