@@ -111,7 +111,7 @@ def _cut(picture: NDArray[np.uint8], labels: NDArray[np.uint8]) -> Mask:
         cv2.setRNGSeed(_SEED)
         colors = cv2.cvtColor(picture, cv2.COLOR_RGB2LAB)
         models = (np.zeros((1, 65)), np.zeros((1, 65)))
-        cv2.grabCut(colors, labels, None, *models, _ITERATIONS, cv2.GC_INIT_WITH_MASK)
+        cv2.grabCut(colors, labels, (0, 0, 1, 1), *models, _ITERATIONS, cv2.GC_INIT_WITH_MASK)
     return np.asarray((labels == cv2.GC_FGD) | (labels == cv2.GC_PR_FGD))
 
 

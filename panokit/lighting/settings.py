@@ -63,8 +63,7 @@ class TrackSettings(Settings):
     """How the object is followed."""
 
     tracker: Literal["kcf", "csrt"] = "kcf"
-    """KCF takes 2 ms a frame and keeps the size of the box; CSRT takes ten times as long and
-    follows changes of size."""
+    """KCF is the faster; CSRT takes three times as long and follows changes of size by itself."""
 
     width_px: int = Field(default=640, ge=160, le=1920)
     """Frames are followed at this width, whatever they have."""

@@ -9,6 +9,7 @@ import pytest
 
 from panokit.errors import ModelError
 from panokit.evaluate.lighting.background import BackgroundExtrapolation
+from panokit.frames import angle_between
 from panokit.io import read_exr
 from panokit.lighting import (
     LightingModel,
@@ -21,8 +22,9 @@ from panokit.lighting import (
     track_object,
 )
 from panokit.lighting.clip import CLIP_CLICK, CLIP_FOV_DEG
+from panokit.lighting.representations import latlong_radiance
 from panokit.reflectance.mirroring import direction_difference_deg
-from panokit.sphere import light_vector
+from panokit.sphere import find_lights, light_vector
 
 TRUTH = Path(__file__).parent / "clip_truth.exr"
 # Where the light of the mean map of the training data of `lighting-1` comes from.
@@ -93,7 +95,11 @@ def test_a_model_comes_nearer_to_the_truth_than_what_needs_none(pair, capsys):
     mean_deg = np.rad2deg(np.arccos(vector @ MEAN_LIGHT / np.linalg.norm(vector)))
     found_deg = direction_difference_deg(fused.radiance, truth)
     background_deg = direction_difference_deg(background, truth)
+    lights = [find_lights(latlong_radiance(one, 256)).primary for one in (fused.radiance, truth)]
     with capsys.disabled():
+        if all(lights):
+            main_deg = np.rad2deg(angle_between(*(one.direction for one in lights)))
+            print(f"\nclip, main light off by {main_deg:.1f} degrees", end="")
         print(
             f"\nclip, light off by: {model.released.id} {found_deg:.1f}, mean map {mean_deg:.1f}, "
             f"background {background_deg:.1f} degrees"
