@@ -26,7 +26,7 @@ _COMMANDS = {
     "inpaint": ("stages:inpaint", "Fill what the camera did not see"),
     "expand": ("stages:expand", "Panoramas to HDR environment maps"),
     "qa": ("qa:qa", "Check maps, compare them with references, write a report"),
-    "train": ("train:train", "Train an expansion network from its recipe"),
+    "train": ("train:train", "Train networks from their recipes"),
     "lighting": ("lighting:lighting", "Click an object in a video, get the light of its scene"),
     "app": ("app:app", "The local web application: lighting from video, panoramas, the library"),
     "doctor": ("doctor:doctor", "What works on this machine, and how to mend what does not"),

@@ -1,5 +1,7 @@
 """The torch twin of `panokit.color.hdr_coding`, in single precision and with gradients."""
 
+import math
+
 import torch
 from torch import Tensor
 
@@ -29,7 +31,7 @@ def encode(radiance: Tensor, coding: HdrCoding) -> Tensor:
     return torch.stack([(116 * y - 16) / 50 - 1, 500 * (x - y) / 110, 200 * (y - z) / 110], dim=1)
 
 
-def decode(code: Tensor, coding: HdrCoding, *, clip: bool = False) -> Tensor:
+def decode(code: Tensor, coding: HdrCoding, *, most: float | None = None) -> Tensor:
     """Radiance (B, 3, H, W) >= 0 of code values; equal to `HdrCoding.decode`.
 
     The compatible variant clips as it always did, so it has no gradient beyond [0, 1].
@@ -37,14 +39,15 @@ def decode(code: Tensor, coding: HdrCoding, *, clip: bool = False) -> Tensor:
     Args:
         code: (B, 3, H, W).
         coding: Of it.
-        clip: Whether nothing becomes brighter than `coding.brightest`. In training the
-            exponential of a wild guess would be infinite in single precision, and its gradient
-            not a number.
+        most: The brightest radiance that comes out, if given. In training the exponential of a
+            wild guess would be infinite in single precision, and its gradient not a number.
     """
     is_rgb = coding.color is ColorCode.RGB
     logs = (code + 1) / 2 if is_rgb else _rgb_from_lab(code, _scheme(coding))
-    if clip or coding.color is ColorCode.PIX2PIX:
+    if coding.color is ColorCode.PIX2PIX:
         logs = logs.clamp(0, 1)
+    if most is not None:
+        logs = logs.clamp(max=math.log1p(most) / coding.log_max)
     return torch.expm1(logs.clamp(min=0) * coding.log_max)
 
 

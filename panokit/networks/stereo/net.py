@@ -125,7 +125,7 @@ class StereoNet(nn.Module):
             code = belief * seen[:, :3] + (1 - belief) * code[:, :3]
         if self.lobes is None:
             return code
-        painted = decode(code.float(), self.coding, clip=True)
+        painted = decode(code.float(), self.coding, most=self.settings.painted)
         return encode(painted + self.lobes(fused.flatten(1)), self.coding)
 
     def _encode_views(self, left: Tensor, right: Tensor) -> tuple[list[Tensor], list[Tensor]]:

@@ -58,7 +58,11 @@ class StereoNetSettings(Settings):
     """Angle of view of the square pictures."""
 
     lights: int = Field(default=0, ge=0, le=8)
-    """Lobes of light that a head adds to the decoder's map."""
+    """Lobes of light that a head adds to the decoder's map, which then has nothing brighter than
+    `painted`: lights are lobes, and not pixels here and there."""
+
+    painted: float = Field(default=4.0, gt=0)
+    """The brightest radiance that the decoder paints where there are lobes; white is 1."""
 
     dropout: float = Field(default=0.0, ge=0, lt=1)
     """Share of fused features that are left out in training."""

@@ -51,7 +51,7 @@ class MapLoss:
         terms = {"l1": weights.l1 * (code - encode(truth, self._coding)).abs().mean()}
         if weights.dssim == weights.render == weights.energy == weights.direction == 0:
             return terms
-        guess = decode(code.float(), self._coding, clip=True)
+        guess = decode(code.float(), self._coding, most=self._coding.brightest)
         if weights.dssim:
             terms["dssim"] = weights.dssim * dssim(guess, truth)
         if weights.render:
