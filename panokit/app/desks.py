@@ -17,6 +17,8 @@ from panokit.app.settings import AppSettings
 from panokit.app.uploads import Inbox
 from panokit.errors import UsageError
 
+# What the folder of all tabs is called in the system's temporary folder, before its random part.
+TAB_FOLDERS = "panokit-app-"
 Provider = Callable[[str], bytes]
 
 
@@ -111,7 +113,7 @@ class Desks:
 
     def __init__(self, settings: AppSettings, root: Path | None = None) -> None:
         self.settings = settings
-        self._root = root or Path(tempfile.mkdtemp(prefix="panokit-app-"))
+        self._root = root or Path(tempfile.mkdtemp(prefix=TAB_FOLDERS))
         self._desks: dict[str, Desk] = {}
 
     def __len__(self) -> int:

@@ -36,6 +36,7 @@ class Drop(Element, component="assets/drop.js"):
             {
                 "address": f"/desk/{desk.token}/upload",
                 "kind": kind,
+                "mostMegabytes": _limit(desk, kind),
                 "accept": accept,
                 **words,
                 **({"folderKind": "frames"} if "folderButton" in words else {}),
@@ -54,3 +55,8 @@ class Drop(Element, component="assets/drop.js"):
 
         self.on("sent", sent)
         self.on("failed", lambda event: on_error(str(event.args)))
+
+
+def _limit(desk: Desk, kind: str) -> int:
+    inbox = desk.inbox
+    return inbox.largest_video_mb if kind == "video" else inbox.largest_picture_mb

@@ -6,6 +6,7 @@ what belongs to one tab's state, to a thread. Errors come back in words.
 
 import asyncio
 import logging
+import re
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -13,12 +14,14 @@ from functools import partial
 from multiprocessing import get_context
 from typing import Any, ParamSpec, TypeVar
 
+from panokit.app.desks import TAB_FOLDERS
 from panokit.errors import ItemError, PanokitError
 
 P = ParamSpec("P")
 T = TypeVar("T")
 _LOGGER = logging.getLogger(__name__)
 _THREADS = 4
+_KEPT_AT = re.compile(rf"\S*[/\\]{TAB_FOLDERS}[^/\\\s]*[/\\](?:\S*[/\\])?")
 
 
 class Work:
@@ -101,7 +104,8 @@ def _carried(function: Callable[..., Any], *arguments: Any, **named: Any) -> Any
 def in_words(error: BaseException) -> str:
     """What to tell the user of an error; one that panokit did not foresee goes to the log too."""
     if isinstance(error, PanokitError):
-        return str(error)
+        # Where a dropped file is kept says nothing to whoever dropped it.
+        return _KEPT_AT.sub("", str(error))
     if isinstance(error, MemoryError):
         return "There is not enough memory for this. Try a smaller picture or a narrower map."
     _LOGGER.error("unexpected error", exc_info=error)

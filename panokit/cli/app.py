@@ -25,9 +25,13 @@ def app(
     from panokit.app.server import serve
 
     console = Console()
-    serve(
-        settings,
-        lambda address: console.result(f"panokit is at {address}  (Ctrl-C ends it)"),
-        show=show,
-    )
+    try:
+        serve(
+            settings,
+            lambda address: console.result(f"panokit is at {address}  (Ctrl-C ends it)"),
+            show=show,
+        )
+    except KeyboardInterrupt:
+        # That is how it is ended.
+        console.note("Ended; the files of its tabs are removed.")
     return 0

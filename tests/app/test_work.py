@@ -60,6 +60,8 @@ def test_threads_share_the_process(work):
 
 def test_words_for_every_error(caplog):
     assert in_words(ImageError("It is black. Take another.")) == "It is black. Take another."
+    kept = "/tmp/panokit-app-x1y2/ab12/inbox/alone/a.jpg: no panorama. See /home/me/b.jpg."
+    assert in_words(ImageError(kept)) == "a.jpg: no panorama. See /home/me/b.jpg."
     assert "memory" in in_words(MemoryError())
     assert not caplog.records
     assert "KeyError" in in_words(KeyError("x"))

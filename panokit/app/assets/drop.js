@@ -16,7 +16,7 @@ export default {
         <progress :value="share" max="1" :aria-label="what"></progress>
       </div>
     </div>`,
-  props: { address: String, title: String, hint: String, button: String, folderButton: String, accept: String, kind: String, folderKind: String },
+  props: { address: String, title: String, hint: String, button: String, folderButton: String, accept: String, kind: String, folderKind: String, mostMegabytes: Number },
   data() {
     return { over: false, share: null, what: "" };
   },
@@ -42,6 +42,12 @@ export default {
       const wanted = isFolder ? files.filter((file) => pictures.test(file.name) && !file.name.startsWith(".")) : files;
       if (!wanted.length) {
         this.$emit("failed", "There are no pictures in this folder. Choose one with JPEG or PNG frames.");
+        return;
+      }
+      // The server refuses it too, but not before some of it was sent.
+      const large = wanted.find((file) => file.size > 1e6 * this.mostMegabytes);
+      if (large) {
+        this.$emit("failed", `${large.name} is larger than ${this.mostMegabytes} MB, which is the most that is taken. Give its path on this machine instead, or start the application with a higher limit.`);
         return;
       }
       wanted.sort((a, b) => a.name.localeCompare(b.name, "en", { numeric: true }));
