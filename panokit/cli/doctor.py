@@ -140,6 +140,16 @@ def _rendering() -> tuple[str, str]:
     return "ok", describe_renderer()
 
 
+def _application() -> tuple[str, str]:
+    try:
+        return "ok", f"NiceGUI {version('nicegui')}"
+    except PackageNotFoundError:
+        return (
+            "missing",
+            'to open the application: pip install "panokit[app]", or ".[app]" in a checkout',
+        )
+
+
 def _keys() -> tuple[str, str]:
     # Whether a key is set, never what it is.
     found = [name for name in ("GOOGLE_MAPS_API_KEY", "MAPILLARY_TOKEN") if os.environ.get(name)]
@@ -156,4 +166,5 @@ _CHECKS: dict[str, Callable[[], tuple[str, str]]] = {
     "keys": _keys,
     "training": _training,
     "rendering": _rendering,
+    "app": _application,
 }
