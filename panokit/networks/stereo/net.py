@@ -70,7 +70,7 @@ class StereoNet(nn.Module):
             )
         )
         self.size = size // 2 ** min(halvings, ENCODER_BLOCKS)
-        doublings = int(math.log2(settings.output_px // self.size))
+        doublings = int(math.log2(settings.output_px // settings.coarser // self.size))
         widths = [max(settings.width, fused // 2**n) for n in range(doublings + 1)]
         skipped = self._skip_channels() if settings.multi_scale else [0] * doublings
         skipped = (skipped + [0] * doublings)[:doublings]
@@ -118,7 +118,7 @@ class StereoNet(nn.Module):
                 early = of_left[ENCODER_BLOCKS - 1 - n]
                 x = torch.cat([x, _resized(early, x.shape[-1])], dim=1)
             x = block(x)
-        code = self.last(x)
+        code = _interpolated(self.last(x), self.settings.coarser)
         if self.window is not None:
             seen = self.window(background)
             belief = torch.sigmoid(code[:, 3:].float()) * seen[:, 3:]
@@ -178,3 +178,13 @@ def _resized(x: Tensor, size: int) -> Tensor:
     if x.shape[-1] > size:
         return F.avg_pool2d(x, x.shape[-1] // size)
     return F.interpolate(x, size=(size, size), mode="nearest")
+
+
+def _interpolated(x: Tensor, times: int) -> Tensor:
+    """A map so many times larger, linear between pixels, closed in azimuth."""
+    if times == 1:
+        return x
+    # One pixel more on either side, which goes again after it has been interpolated with.
+    wide = torch.cat([x[..., -1:], x, x[..., :1]], dim=-1)
+    larger = F.interpolate(wide, scale_factor=times, mode="bilinear", align_corners=False)
+    return larger[..., times:-times]

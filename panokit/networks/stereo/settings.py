@@ -51,6 +51,10 @@ class StereoNetSettings(Settings):
     wrap: bool = False
     """Whether the decoder's last convolutions close the map in azimuth."""
 
+    coarser: int = Field(default=1, ge=1)
+    """How many times smaller the decoder's map is than the output, which is interpolated: a
+    network cannot paint in dots what scenes lit by it, or means over windows, do not tell apart."""
+
     window: bool = False
     """Whether the background goes where the map shows it, too; needs `fov_deg`."""
 
@@ -73,6 +77,8 @@ class StereoNetSettings(Settings):
             raise ValueError(f"input_px is a multiple of {2**ENCODER_BLOCKS}")
         if self.output_px & (self.output_px - 1):
             raise ValueError("output_px is a power of two")
+        if self.output_px % self.coarser:
+            raise ValueError("output_px is a multiple of coarser")
         if self.pyramid and self.fusion == "concat":
             raise ValueError('a pyramid of similarities needs fusion = "similarity"')
         return self

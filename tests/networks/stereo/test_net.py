@@ -5,7 +5,9 @@ from pydantic import ValidationError
 
 torch = pytest.importorskip("torch")
 
-from panokit.networks.stereo.net import StereoNet  # noqa: E402
+from panokit.color.hdr_coding import HdrCoding  # noqa: E402
+from panokit.networks.stereo.coding import decode  # noqa: E402
+from panokit.networks.stereo.net import StereoNet, _interpolated  # noqa: E402
 from panokit.networks.stereo.reflectance import Dematerial, PictureToMap  # noqa: E402
 from panokit.networks.stereo.settings import (  # noqa: E402
     THESIS,
@@ -91,3 +93,31 @@ def test_the_networks_on_reflectance_maps_run():
     net = Dematerial(materials=3, background_px=32, width=4, layers=1)
     maps = torch.zeros(2, 12, 64, 64)
     assert net(maps, torch.zeros(2, 3, 32, 32)).shape == (2, 3, 64, 64)
+
+
+def test_a_coarser_map_is_interpolated_across_its_seam():
+    x = torch.rand(1, 3, 8, 8)
+    turned = _interpolated(torch.roll(x, 3, dims=-1), 2)
+    torch.testing.assert_close(turned, torch.roll(_interpolated(x, 2), 6, dims=-1))
+    torch.testing.assert_close(_interpolated(torch.ones_like(x), 4), torch.ones(1, 3, 32, 32))
+    assert _interpolated(x, 1) is x
+
+
+@pytest.mark.parametrize("size", [16, 32])
+def test_a_coarser_decoder_gives_the_whole_map(size):
+    net = StereoNet(StereoNetSettings(coarser=2, wrap=True, width=4, input_px=32, output_px=size))
+    assert net(*views()).shape == (2, 3, size, size)
+    # Nothing alternates from pixel to pixel.
+    found = net.eval()(*views())
+    steps = (found[..., 1:] - found[..., :-1]).abs()
+    second = (found[..., 2:] - 2 * found[..., 1:-1] + found[..., :-2]).abs()
+    assert second.mean() < 2 * steps.mean()
+
+
+def test_lights_leave_nothing_brighter_to_the_decoder():
+    coding = HdrCoding(brightest=1000.0)
+    net = StereoNet(StereoNetSettings(lights=1, painted=2.0, **SMALL), coding).eval()
+    torch.nn.init.constant_(net.last.bias, 3.0)  # as bright as can be
+    torch.nn.init.constant_(net.lobes.head[-1].bias, -30.0)  # hardly any lobe
+    radiance = decode(net(*views()), coding)
+    assert 1.9 < radiance.max() < 2.2
