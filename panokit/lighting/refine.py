@@ -13,13 +13,20 @@ from numpy.typing import NDArray
 
 Mask = NDArray[np.bool_]
 _WORK_PX, _ITERATIONS = 200, 4
-_EDGE = 0.04
+_EDGE, _AROUND = 0.04, (9, 9)
 _SEED = 20260101
 # It has found its size when another round changes less than this.
 _SETTLED = 1.1
 
 
-def grown(picture: NDArray[np.uint8], mask: Mask, *, margin: float = 0.8, rounds: int = 4) -> Mask:
+def grown(
+    picture: NDArray[np.uint8],
+    mask: Mask,
+    *,
+    margin: float = 0.8,
+    rounds: int = 4,
+    work_px: int = _WORK_PX,
+) -> Mask:
     """A mask that may be a part of an object, grown to the whole of it.
 
     Args:
@@ -27,10 +34,11 @@ def grown(picture: NDArray[np.uint8], mask: Mask, *, margin: float = 0.8, rounds
         mask: (H, W) bool, not empty: what surely belongs to it, but for its rim.
         margin: How far around it is looked, in parts of its size.
         rounds: At most.
+        work_px: At which size it is done.
     """
     area = float(mask.sum())
     for _ in range(rounds):
-        found = _round(picture, mask, margin)
+        found = _round(picture, mask, margin, work_px)
         now = float(found.sum())
         if now == 0:
             return mask
@@ -60,6 +68,29 @@ def fitted(picture: NDArray[np.uint8], mask: Mask, *, band: float = 0.05) -> Mas
     return window.laid(_cut(part, labels), mask)
 
 
+def outline_contrast(picture: NDArray[np.uint8], mask: Mask) -> float:
+    """How much the colors on both sides of an outline differ along most of it, in CIE LAB.
+
+    The quarter of the outline where they differ least decides: a mask that ends in the middle of
+    an object has such a quarter, one that ends where the object does has none.
+    """
+    window = _Window.around(mask, 0.1)
+    part, inner = window.of(picture), window.of(mask).astype(np.uint8)
+    lab = cv2.cvtColor(part.astype(np.float32) / np.float32(255), cv2.COLOR_RGB2LAB)
+    rim, near = np.ones((5, 5), np.uint8), np.ones((3, 3), np.uint8)
+    inside = ((inner > 0) & (cv2.erode(inner, rim) == 0)).astype(np.float32)
+    outside = ((inner == 0) & (cv2.dilate(inner, rim) > 0)).astype(np.float32)
+    shares = [cv2.blur(side, _AROUND) for side in (inside, outside)]
+    at = (cv2.dilate(inner, near) > 0) & (inner == 0) & (shares[0] > 1e-3) & (shares[1] > 1e-3)
+    if not at.any():
+        return 0.0
+    means = [
+        cv2.blur(lab * side[..., None], _AROUND)[at] / share[at][:, None]
+        for side, share in zip((inside, outside), shares, strict=True)
+    ]
+    return float(np.percentile(np.linalg.norm(means[0] - means[1], axis=-1), 25))
+
+
 @dataclass(frozen=True, slots=True)
 class _Window:
     """A part of a picture."""
@@ -86,10 +117,10 @@ class _Window:
         return _connected(whole, mask)
 
 
-def _round(picture: NDArray[np.uint8], mask: Mask, margin: float) -> Mask:
+def _round(picture: NDArray[np.uint8], mask: Mask, margin: float, work_px: int) -> Mask:
     window = _Window.around(mask, margin)
     part = window.of(picture)
-    scale = min(1.0, _WORK_PX / max(part.shape[:2]))
+    scale = min(1.0, work_px / max(part.shape[:2]))
     size = (max(8, round(part.shape[1] * scale)), max(8, round(part.shape[0] * scale)))
     small = np.asarray(cv2.resize(part, size, interpolation=cv2.INTER_AREA), np.uint8)
     inner = window.of(mask).astype(np.uint8)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from panokit.equirectangular import read_only
 from panokit.errors import ImageError, UsageError
-from panokit.lighting.refine import fitted, grown
+from panokit.lighting.refine import fitted, grown, outline_contrast
 from panokit.lighting.settings import SelectSettings
 from panokit.lighting.video import Picture, smaller
 
@@ -27,6 +27,7 @@ _TOLERANCES = tuple(float(t) for t in 4 * 1.22 ** np.arange(12))
 _STEADY = 0.35
 _LEAST_PX = 60
 _MOST_HOLE = 0.02
+_TRIAL_PX, _CLEAR = 140, 0.65
 _MOST_SHARE, _MOST_RIM = 0.45, 0.3
 
 
@@ -140,7 +141,8 @@ def flood(
     region = closed(region, settings.close_px)
     problem = problem or _problem(region)
     if settings.tolerance == 0 and settings.grow and not problem and region.any():
-        whole = fitted(small, closed(grown(small, region), settings.close_px))
+        chosen, region = _clearest(small, away, seed, settings.close_px) or (chosen, region)
+        whole = fitted(small, closed(grown(small, region, rounds=2), settings.close_px))
         # What ran out into the background is no better than what was filled.
         region = region if _problem(whole) else whole
     mask = region
@@ -239,6 +241,27 @@ def _steadiest(away: NDArray[np.float32], seed: tuple[int, int]) -> tuple[float,
         )  # fmt: skip
     at = steady[-1] if steady else int(np.argmax(areas))
     return _TOLERANCES[at], regions[at], ""
+
+
+def _clearest(
+    picture: Picture, away: NDArray[np.float32], seed: tuple[int, int], close_px: int
+) -> tuple[float, Mask] | None:
+    """The least tolerance from which a mask grows that ends where colors change."""
+    found: list[tuple[float, float, Mask]] = []
+    for tolerance in _TOLERANCES[::2]:
+        region = _region(away, seed, tolerance)
+        if _problem(region, smallest=0):
+            break
+        region = closed(region, close_px)
+        if region.sum() < _LEAST_PX:
+            continue
+        whole = closed(grown(picture, region, rounds=3, work_px=_TRIAL_PX), close_px)
+        if not _problem(whole):
+            found.append((outline_contrast(picture, whole), tolerance, whole))
+    if not found:
+        return None
+    clear = _CLEAR * max(contrast for contrast, _, _ in found)
+    return next((tolerance, whole) for contrast, tolerance, whole in found if contrast >= clear)
 
 
 def closed(region: Mask, close_px: int) -> Mask:
