@@ -160,7 +160,6 @@ THINGS = (
     ),
     Thing(
         panorama="bma-0",
-        selectable=False,
         name="wall",
         fov_deg=70,
         slides=True,
