@@ -12,8 +12,9 @@ from panokit.evaluate.expansion_report import PROTOCOL, SCHEMA
 from panokit.evaluate.figures import LINES
 from panokit.inference import Session
 from panokit.shipped import shipped_path
-from panokit.train.recipe import read_recipe
-from panokit.weights import ReleasedModel, released_models, verify_model
+from panokit.train.recipe import read_recipe, read_table
+from panokit.train.stereo.recipe import read_lighting_recipe
+from panokit.weights import ReleasedModel, find_model, released_models, verify_model
 
 MOST_BYTES = 9_000_000
 EXPANSION = [model.id for model in released_models() if model.task.startswith("expand")]
@@ -48,7 +49,9 @@ def test_every_recipe_loads_and_names_its_folder():
     recipes = sorted(folder.glob("*/recipe.toml"))
     assert recipes
     for path in recipes:
-        assert read_recipe(path).id == path.parent.name
+        lights = read_table(path).get("task") == "lighting"
+        read = read_lighting_recipe if lights else read_recipe
+        assert read(path).id == path.parent.name
 
 
 def test_the_three_models_are_there():
@@ -167,3 +170,44 @@ def test_released_files_name_no_file_of_their_maker():
         data = file.read_bytes()
         assert b"site-packages" not in data, file
         assert b".py" not in data, file
+
+
+READS_LIGHT = [model.id for model in released_models() if model.task == "lighting"]
+
+
+@pytest.mark.parametrize("name", READS_LIGHT)
+def test_a_model_that_reads_light_is_complete(name: str):
+    model = find_model(name)
+    verify_model(model)
+    recipe = read_lighting_recipe(model.folder / "recipe.toml")
+    training = json.loads((model.folder / "training.json").read_text(encoding="utf-8"))
+    assert recipe.id == name == model.folder.name
+    assert (training["samples"], training["seed"]) == (recipe.samples, recipe.seed)
+    session = Session(model.path("lighting"), device="cpu")
+    assert session.inputs == model.files["lighting"].inputs
+    assert all(shape[0] is None for shape in session.input_shapes)
+    assert set(model.tensors) == {*session.inputs, *session.outputs}
+
+
+@pytest.mark.parametrize("name", READS_LIGHT)
+def test_its_card_tells_its_scores_and_its_limits(name: str):
+    folder = find_model(name).folder
+    text = (folder / "README.md").read_text(encoding="utf-8")
+    headings = re.findall(r"^## (.+)$", text, re.MULTILINE)
+    assert headings == [
+        "Use", "Input and output", "Limits", "Data and license", "Scores", "Failures",
+    ]  # fmt: skip
+    for link in re.findall(r"\]\((?!http)([^)]+)\)", text):
+        assert (folder / link).exists(), link
+    scores = json.loads((folder / "metrics.json").read_text(encoding="utf-8"))
+    assert scores["samples"] >= 200
+    for entrant, figures in scores["entrants"].items():
+        (row,) = [line for line in text.splitlines() if line.startswith(f"| {entrant} |")]
+        assert f"{figures['thesis-dssim']['mean']:.3f}" in row, entrant
+        assert f"{figures['light-vector']['mean']:.1f}" in row, entrant
+    own = scores["entrants"].pop(name)
+    knowing = scores["entrants"].pop("nearest map (oracle)")
+    assert knowing["code-ssd"]["mean"] < own["code-ssd"]["mean"]
+    for entrant, figures in scores["entrants"].items():
+        for figure in ("light-vector", "relit-diffuse-rmse"):
+            assert own[figure]["mean"] < figures[figure]["mean"], (entrant, figure)

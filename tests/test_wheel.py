@@ -27,6 +27,8 @@ def test_the_wheel_carries_models_pipelines_and_the_sample_city(wheel):
         "panokit/_shipped/pipelines/demo.toml",
         "panokit/_shipped/models/expand-2/model.toml",
         "panokit/_shipped/models/expand-2/expansion.onnx",
+        "panokit/_shipped/models/lighting-1/lighting.onnx",
+        "panokit/lighting/clip/square.mp4",
         "panokit/synthetic/sample_city/index.json",
         "panokit/fetch/cities.csv",
         "panokit/py.typed",
@@ -43,7 +45,8 @@ def test_shipped_data_is_found_in_an_installed_wheel(wheel, tmp_path):
         archive.extractall(tmp_path)
     code = (
         "import panokit; from panokit.weights import find_model, verify_model;"
-        "from panokit.shipped import shipped_path; verify_model(find_model('expand-2'));"
+        "from panokit.shipped import shipped_path;"
+        "[verify_model(find_model(i)) for i in ('expand-2', 'lighting-1')];"
         "print(panokit.__file__, shipped_path('pipelines/demo.toml'))"
     )
     done = subprocess.run(
