@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from panokit.pipeline.batch import BatchResult, run_batch
     from panokit.pipeline.demo import run_demo
     from panokit.pipeline.load import load_settings
-    from panokit.pipeline.runner import RunResult, run_pipeline
+    from panokit.pipeline.result import RunResult
+    from panokit.pipeline.runner import run_pipeline
     from panokit.pipeline.settings import PipelineSettings
 
 __getattr__, __dir__, __all__ = lazy_names(
@@ -34,7 +35,7 @@ __getattr__, __dir__, __all__ = lazy_names(
     {
         "BatchResult": "panokit.pipeline.batch",
         "PipelineSettings": "panokit.pipeline.settings",
-        "RunResult": "panokit.pipeline.runner",
+        "RunResult": "panokit.pipeline.result",
         "load_settings": "panokit.pipeline.load",
         "run_batch": "panokit.pipeline.batch",
         "run_demo": "panokit.pipeline.demo",

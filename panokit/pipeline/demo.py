@@ -4,7 +4,8 @@ from pathlib import Path
 
 from panokit.console import Console
 from panokit.pipeline.load import load_settings
-from panokit.pipeline.runner import RunResult, run_pipeline
+from panokit.pipeline.result import RunResult
+from panokit.pipeline.runner import run_pipeline
 from panokit.pipeline.settings import PipelineSettings
 from panokit.shipped import shipped_path
 from panokit.synthetic import embedded_truth

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from panokit.console import duration_text, size_text
 from panokit.errors import RecordError
@@ -16,6 +16,7 @@ from panokit.io.pictures import record_path
 from panokit.ledger import Ledger
 from panokit.pipeline.batch import BatchResult
 from panokit.pipeline.judging_models import FEWEST_PLACES
+from panokit.pipeline.result import RunResult
 from panokit.pipeline.settings import PipelineSettings
 from panokit.records import RunFolder
 from panokit.report.page import write_page
@@ -32,9 +33,6 @@ from panokit.report.values import (
 )
 from panokit.report.wording import format_figure
 
-if TYPE_CHECKING:
-    from panokit.pipeline.runner import RunResult
-
 SCHEMA = "panokit.timings/1"
 _SHOWN_REJECTIONS = 200
 _ARMS = ("references", "augmented")
@@ -43,7 +41,7 @@ _FIGURES = ("relit-diffuse-si-rmse", "relit-glossy-0.3-si-rmse", "si-rmse", "rgb
 
 
 def write_run_report(
-    settings: PipelineSettings, result: "RunResult", seconds: Mapping[str, float]
+    settings: PipelineSettings, result: RunResult, seconds: Mapping[str, float]
 ) -> Path:
     """Write RUN/report.html and RUN/timings.json.
 
@@ -61,7 +59,7 @@ def write_run_report(
     return write_page(_page(settings, result, timings), run.root / "report.html")
 
 
-def _timings(result: "RunResult", seconds: Mapping[str, float]) -> dict[str, Any]:
+def _timings(result: RunResult, seconds: Mapping[str, float]) -> dict[str, Any]:
     """Of each stage: items, time of this start, and processor time of all its items."""
     ledger = Ledger(result.run.ledger)
     counts = ledger.counts()
@@ -82,7 +80,7 @@ def _timings(result: "RunResult", seconds: Mapping[str, float]) -> dict[str, Any
     }
 
 
-def energy_ledger(result: "RunResult") -> dict[str, float | int]:
+def energy_ledger(result: RunResult) -> dict[str, float | int]:
     """How much light the maps hold, before and after their range was restored.
 
     Energy is the integral of radiance over the sphere, mean of red, green and blue, in units of
@@ -135,7 +133,7 @@ def _mean(values: Sequence[float]) -> float:
     return sum(values) / len(values)
 
 
-def _page(settings: PipelineSettings, result: "RunResult", timings: Mapping[str, Any]) -> Page:
+def _page(settings: PipelineSettings, result: RunResult, timings: Mapping[str, Any]) -> Page:
     stages = timings["stages"]
     sections: list[Section | None] = [
         _stage_table(stages),
@@ -188,7 +186,7 @@ def _stage_table(stages: Mapping[str, Any]) -> Table:
     )
 
 
-def _rejection_table(result: "RunResult") -> Table | None:
+def _rejection_table(result: RunResult) -> Table | None:
     rejections = result.rejections
     if not rejections:
         return None
@@ -230,7 +228,7 @@ def _energy_section(energy: Mapping[str, float]) -> Counts | None:
     return Counts(title="Energy ledger", counts=tuple(counts))
 
 
-def _model_sections(result: "RunResult") -> list[Section]:
+def _model_sections(result: RunResult) -> list[Section]:
     batches: dict[str, BatchResult] = {batch.stage: batch for batch in result.batches}
     sections: list[Section] = []
     if "dataset" in batches:

@@ -3,14 +3,12 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from panokit.console import Console
 from panokit.engine import Engine, make_engine
-from panokit.errors import Rejection, UsageError
+from panokit.errors import UsageError
 from panokit.io.files import read_json, write_json
 from panokit.io.lock import only_process
 from panokit.ledger import Ledger
@@ -18,6 +16,7 @@ from panokit.pipeline.batch import BatchResult, run_batch
 from panokit.pipeline.fetching import fetch_batch, forget_rejections
 from panokit.pipeline.inputs import run_tasks
 from panokit.pipeline.judging import judge_run, keep_run
+from panokit.pipeline.result import RunResult
 from panokit.pipeline.serving import served_asks, serving
 from panokit.pipeline.settings import MODEL_STAGES, PipelineSettings
 from panokit.records import RunFolder
@@ -25,49 +24,6 @@ from panokit.settings import Settings
 
 LOCK = ".run.lock"
 Batches = Mapping[str, BatchResult]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RunResult:
-    """What became of a run.
-
-    Attributes:
-        run: Its folder.
-        batches: One for each stage that ran, in order.
-    """
-
-    run: RunFolder
-    batches: tuple[BatchResult, ...] = field(default=())
-
-    @property
-    def report(self) -> Path | None:
-        """QA's report of the maps, if the run came that far."""
-        report = self.run.qa / "report.html"
-        return report if report.exists() else None
-
-    @property
-    def overview(self) -> Path | None:
-        """The report of the run itself."""
-        overview = self.run.root / "report.html"
-        return overview if overview.exists() else None
-
-    @property
-    def rejections(self) -> tuple[Rejection, ...]:
-        """Everything that was rejected, stage by stage."""
-        return tuple(r for batch in self.batches for r in batch.rejections)
-
-    @property
-    def nothing_to_do(self) -> bool:
-        """Whether everything was complete before this run began."""
-        return not any(batch.fresh for batch in self.batches)
-
-    @property
-    def rejected_share(self) -> float:
-        """Rejected items over all items that were looked at."""
-        pictures = [batch for batch in self.batches if batch.stage not in MODEL_STAGES]
-        items = {r.item for batch in pictures for r in batch.receipts}
-        rejected = {rejection.item for rejection in self.rejections}
-        return len(rejected) / max(1, len(items | rejected))
 
 
 def run_pipeline(
