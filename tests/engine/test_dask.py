@@ -28,6 +28,8 @@ from panokit.errors import (
 from panokit.http.limiter import RateLimiter
 from panokit.records import Receipt
 
+pytestmark = pytest.mark.slow
+
 
 def receipt(item: str, value: object = "") -> Receipt:
     return Receipt(item=item, stage="test", path=Path(item), key=str(value))

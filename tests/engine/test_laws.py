@@ -34,7 +34,11 @@ class Told:
         return self.engine.run(task, items)
 
 
-@pytest.fixture(scope="module", params=["serial", "local", "dask"])
+# Clusters beside everything else once hung the tests: they have a run of their own (test-slow).
+@pytest.fixture(
+    scope="module",
+    params=["serial", "local", pytest.param("dask", marks=pytest.mark.slow)],
+)
 def shared(request):
     told = Told(request.param)
     yield told
