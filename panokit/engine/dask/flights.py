@@ -12,7 +12,7 @@ from queue import Empty, SimpleQueue
 from typing import Any, Literal
 from uuid import uuid4
 
-from distributed import CancelledError, KilledWorker, wait
+from distributed import KilledWorker
 
 from panokit.engine.dask.clusters import Cluster, lost_scheduler
 from panokit.engine.dask.work import Work, perform
@@ -38,6 +38,7 @@ class _Flight:
         worker: The address of the worker that has begun with it, or "".
         last_report: What its task reported last.
         heard: When anything was last heard of it.
+        is_over: Whether its task has ended; what came out is still to be heard.
     """
 
     item: Any
@@ -46,6 +47,7 @@ class _Flight:
     worker: str = ""
     last_report: Any = None
     heard: float = field(default=0.0)
+    is_over: bool = False
 
     @property
     def is_suspect(self) -> bool:
@@ -139,7 +141,7 @@ class Flights:
 
     def _send(self, flight: _Flight) -> None:
         key = f"{self._topic}-{next(self._numbers)}"
-        flight.worker, flight.last_report = "", None
+        flight.worker, flight.last_report, flight.is_over = "", None, False
         stage = str(getattr(flight.item, "stage", ""))
         needs = self._settings.resources.get(stage) or None
         self._cluster.check_resources(stage, needs)
@@ -155,20 +157,27 @@ class Flights:
 
     def _take_in(self) -> list[Outcome]:
         """Wait until something is heard, and deal with all that was."""
-        done: list[str] = []
         try:
             messages = [self._inbox.get(timeout=self._patience_s())]
             while not self._inbox.empty():
                 messages.append(self._inbox.get())
         except Empty:
             messages = []
+        outcomes: list[Outcome] = []
         for key, word, value in messages:
             flight = self._flights.get(key)
-            if flight is None:  # of an attempt that was given up
+            if flight is None:  # of an attempt that was given up, or has landed
                 continue
             flight.heard = time.monotonic()
-            if word == "done":
-                done.append(key)
+            if word == "landed":
+                outcomes.append(self._land(key, *value))
+            elif word == "done":
+                if flight.future.status != "finished":
+                    del self._flights[key]
+                    outcomes += self._lose(flight)
+                    flight.future.release()
+                else:
+                    flight.is_over = True
             elif word == "begun":
                 flight.worker = value
             else:
@@ -177,33 +186,25 @@ class Flights:
                     self._on_report(value)
         if not messages:
             self._cluster.look()
-        return [*self._collect(done), *self._end_silent()]
+            self._send_untold()
+        return [*outcomes, *self._end_silent()]
 
-    def _collect(self, done: list[str]) -> list[Outcome]:
-        """The outcomes of what is done; what is lost is sent again, or rejected."""
-        outcomes: list[Outcome] = []
-        flights = {key: self._flights.pop(key) for key in done}
-        for word, value in self._results(list(flights.values())):
-            if word == "error":
-                raise value
-            self._finished += 1
-            outcomes.append(value)
-        for flight in flights.values():
-            if flight.future.status != "finished":
-                outcomes += self._lose(flight)
+    def _land(self, key: str, word: str, value: Any) -> Outcome:
+        """The outcome that a task has told."""
+        flight = self._flights.pop(key)
+        flight.future.release()
+        if word == "error":
+            raise value
+        self._finished += 1
+        outcome: Outcome = value
+        return outcome
+
+    def _send_untold(self) -> None:
+        """What is over, but was not told of, was told to nobody: its worker's last words."""
+        for key in [key for key, flight in self._flights.items() if flight.is_over]:
+            flight = self._flights.pop(key)
             flight.future.release()
-        return outcomes
-
-    def _results(self, flights: list[_Flight]) -> list[tuple[str, Any]]:
-        """What those that came through have brought; afterwards the others are not "finished"."""
-        good = [flight.future for flight in flights if flight.future.status == "finished"]
-        try:
-            found: list[tuple[str, Any]] = self._client.gather(good)
-            return found
-        except (KilledWorker, CancelledError, OSError):
-            # A result that its worker took along, and the second attempt came to nothing, too.
-            wait(good)
-            return self._results(flights)
+            self._return(flight)
 
     def _lose(self, flight: _Flight) -> list[Outcome]:
         if flight.future.status in ("cancelled", "lost"):
@@ -246,7 +247,7 @@ class Flights:
         outcomes: list[Outcome] = []
         overdue = time.monotonic() - self._silence_s
         for key, flight in list(self._flights.items()):
-            if flight.worker and flight.heard < overdue:
+            if flight.worker and not flight.is_over and flight.heard < overdue:
                 del self._flights[key]
                 # Cancelled first, so that it is not given to the worker that comes next.
                 flight.future.cancel(force=True)

@@ -17,8 +17,9 @@ from panokit.engine.turns import take_turns_by
 from panokit.engine.worker import kill_group, sendable, use_one_thread
 from panokit.errors import PanokitError, StorageError, UsageError
 
-# Of what is told while a task runs; the value of "begun" is the worker's address.
-TOLD = ("begun", "report")
+# What is told of an item: the address of the worker that begins, reports of the task, and its end
+# as ("outcome", what it returned) or ("error", what it raised).
+TOLD = ("begun", "report", "landed")
 
 
 class Work(WorkerPlugin):
@@ -70,11 +71,11 @@ class Work(WorkerPlugin):
             )
 
 
-def perform(topic: str, key: str, item: Any) -> tuple[str, Any]:
-    """Run the task of a run on an item.
+def perform(topic: str, key: str, item: Any) -> None:
+    """Run the task of a run on an item and tell what came out.
 
-    Returns:
-        "outcome" and the outcome, or "error" and what the task raised.
+    It is told and not returned: what a worker returns is lost with the worker, and then made anew
+    on others, for as long as there are any.
     """
     worker = get_worker()
 
@@ -82,6 +83,7 @@ def perform(topic: str, key: str, item: Any) -> tuple[str, Any]:
         worker.log_event(topic, pickle.dumps((key, word, value)))
 
     tell("begun", worker.address)
+    end: tuple[str, Any]
     try:
         work = worker.plugins.get(topic)
         if not isinstance(work, Work):
@@ -91,11 +93,12 @@ def perform(topic: str, key: str, item: Any) -> tuple[str, Any]:
             )
         work.check()
         with chdir(work.folder), reports_to(lambda value: tell("report", value)):
-            return "outcome", work.task(item)
+            end = "outcome", work.task(item)
     except Exception as error:
         if not isinstance(error, PanokitError):
             error.add_note(f"In a worker process:\n{traceback.format_exc()}")
-        return "error", sendable(error)
+        end = "error", sendable(error)
+    tell("landed", end)
 
 
 def kill_worker(dask_worker: Any) -> None:
