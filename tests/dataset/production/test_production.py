@@ -146,7 +146,7 @@ def test_somebody_elses_shards_are_not_touched(tmp_path):
 def test_two_drivers_in_one_folder(tmp_path):
     with (
         only_process(tmp_path, LOCK, "rendering into"),
-        pytest.raises(UsageError, match="Another process is rendering into"),
+        pytest.raises(UsageError, match=r"Another process \(.*\) is rendering into"),
     ):
         render(tmp_path)
 

@@ -26,8 +26,9 @@ def test_a_row_says_what_the_sample_says(finished_dataset):
     assert row["roughness"] == meta["materials"][0]["roughness"]
     assert row["width_px"] == 16
     assert row["spp"] == 1
+    assert row["baseline_m"] == meta["baseline_m"]
     # Not in this record: no value is better than a made-up one.
-    assert row["baseline_m"] is None
+    assert row["fill"] is None
 
 
 def test_columns_can_be_chosen(finished_dataset):
