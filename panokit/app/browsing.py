@@ -1,6 +1,7 @@
 """What Probe library does, without a browser: filters, one probe in words, selections, exports."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,23 @@ _MAP_PX = 768
 _FLAGS = {"yes": True, "no": False}
 _FLAG_FIELDS = ("trainable", "derivable", "storable", "has_sun")
 _KINDS = {"native": "captured in HDR", "lifted": "made of a photograph", "synthetic": "rendered"}
+
+
+@dataclass(kw_only=True)
+class Shelf:
+    """What one tab has before it.
+
+    Attributes:
+        library: The folder, or None before one is named.
+        typed: What the filters' form holds; field of `ProbeFilter` -> text.
+        entries: The probes that pass.
+        selected: Those that are ticked, id -> name.
+    """
+
+    library: Path | None
+    typed: dict[str, str] = field(default_factory=dict)
+    entries: tuple[Entry, ...] = ()
+    selected: dict[str, str] = field(default_factory=dict)
 
 
 def filter_of(typed: Mapping[str, str]) -> ProbeFilter:

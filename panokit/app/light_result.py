@@ -1,13 +1,15 @@
 """What was read: the map, how sure it is, what to mind, relit balls in the frame, and files."""
 
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nicegui import ui
+from nicegui.element import Element
 
 from panokit.app import reading
+from panokit.app.desks import Desk
 from panokit.app.light_words import estimate_facts
 from panokit.app.packing import packed
 from panokit.app.progress import Progress
@@ -22,10 +24,8 @@ from panokit.app.widgets import (
     scroll_to,
     words,
 )
+from panokit.app.work import Work
 from panokit.lighting.session import SessionResult
-
-if TYPE_CHECKING:
-    from panokit.app.lighting_place import LightingPlace
 
 FORMS = {
     "exr": "EXR",
@@ -43,9 +43,10 @@ _WIDTHS = {"256": "256 px", "1024": "1024 px, smooth"}
 class LightResult:
     """The part of Lighting that shows what came of it."""
 
-    def __init__(self, place: "LightingPlace") -> None:
-        self._place = place
-        self._box = box()
+    def __init__(
+        self, place: Element, desk: Desk, work: Work, another: Callable[[], Awaitable[None]]
+    ) -> None:
+        self._box, self._desk, self._work, self._another = place, desk, work, another
         self._record: dict[str, Any] | None = None
         self._width_px = 256
 
@@ -57,8 +58,7 @@ class LightResult:
     def show(self, result: SessionResult, page: bytes) -> None:
         """Show what was read, in the viewer whose page this is."""
         self.clear()
-        desk = self._place.desk
-        address = desk.publish(page, "text/html; charset=utf-8", key="light")
+        address = self._desk.publish(page, "text/html; charset=utf-8", key="light")
         with self._box, box("stage-step", "section"):
             words("h2", "The light")
             with box("two"):
@@ -73,14 +73,13 @@ class LightResult:
                         notes(result.estimate.warnings)
             self._balls = box()
             with box("bar-row"):
-                button("Add another object", self._place.begin_another)
+                button("Add another object", self._another)
                 words("p", "Several objects in the same light are fused into one map.",
                       "small quiet-text")  # fmt: skip
         scroll_to(self._box)
 
     def show_balls(self, pictures: tuple[bytes, bytes]) -> None:
         """Show the frame as it is, and with relit balls; JPEG."""
-        desk = self._place.desk
         texts = (
             ("frame", "The frame", "The frame as it is"),
             (
@@ -95,7 +94,7 @@ class LightResult:
             with box("pair"):
                 for picture, (key, alt, caption) in zip(pictures, texts, strict=True):
                     with box("", "figure"):
-                        image(desk.publish(picture, "image/jpeg", key=key), alt, "shot")
+                        image(self._desk.publish(picture, "image/jpeg", key=key), alt, "shot")
                         words("figcaption", caption)
 
     def _downloads(self, result: SessionResult) -> None:
@@ -109,7 +108,7 @@ class LightResult:
         state = Progress()
 
         async def make(form: str) -> None:
-            work, desk = self._place.work, self._place.desk
+            work, desk = self._work, self._desk
 
             async def write() -> None:
                 if self._record is None:

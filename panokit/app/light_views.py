@@ -1,22 +1,22 @@
 """The two snapshots side by side, to be confirmed, or corrected with a brush."""
 
+from collections.abc import Callable
 from functools import partial
 from itertools import count
-from typing import TYPE_CHECKING
 
 from nicegui.element import Element
 
 from panokit.app import reading
+from panokit.app.desks import Desk
 from panokit.app.film import Film, Mode
+from panokit.app.light_result import LightResult
 from panokit.app.progress import Progress
-from panokit.app.reading import SIDES, Stroke
+from panokit.app.reading import SIDES, Reading, Stroke
+from panokit.app.settings import AppSettings
 from panokit.app.widgets import box, button, notes, scroll_to, words
-from panokit.app.work import in_words
+from panokit.app.work import Work, in_words
 from panokit.errors import PanokitError
 from panokit.lighting.snapshots import StereoPair
-
-if TYPE_CHECKING:
-    from panokit.app.lighting_place import LightingPlace
 
 _MODES: dict[Mode, str] = {"look": "Look", "add": "Add to the mask", "remove": "Remove from it"}
 
@@ -24,9 +24,17 @@ _MODES: dict[Mode, str] = {"look": "Look", "add": "Add to the mask", "remove": "
 class LightViews:
     """The part of Lighting that shows two views of an object."""
 
-    def __init__(self, place: "LightingPlace") -> None:
-        self._place = place
-        self._box = box()
+    def __init__(
+        self,
+        place: Element,
+        settings: AppSettings,
+        desk: Desk,
+        work: Work,
+        current: Callable[[], Reading | None],
+        result: LightResult,
+    ) -> None:
+        self._box, self._desk, self._work = place, desk, work
+        self._settings, self._current, self._result = settings, current, result
         self._numbers = count(1)
         self._films: dict[str, Film] = {}
 
@@ -37,7 +45,8 @@ class LightViews:
 
     def show(self) -> None:
         """Show the snapshots that were found."""
-        found = self._place.reading and self._place.reading.found
+        current = self._current()
+        found = current and current.found
         if not found:
             return
         self.clear()
@@ -62,14 +71,13 @@ class LightViews:
 
     def _view(self, side: str, pair: StereoPair) -> None:
         snapshot = getattr(pair, side)
-        desk = self._place.desk
         kind = f"view-{side}-{next(self._numbers)}"
         picture = reading.snapshot_jpeg(snapshot)
-        desk.pictures[kind] = lambda _: picture
+        self._desk.pictures[kind] = lambda _: picture
         size = (snapshot.picture.shape[1], snapshot.picture.shape[0])
         with box("", "figure"):
             film = Film(
-                f"/desk/{desk.token}/picture/{kind}", 1, size, f"The {side} view", mode="look"
+                f"/desk/{self._desk.token}/picture/{kind}", 1, size, f"The {side} view", mode="look"
             )
             self._films[side] = film
 
@@ -82,9 +90,7 @@ class LightViews:
 
     def _show_mask(self, side: str, pair: StereoPair) -> None:
         png = reading.overlay(getattr(pair, side).selection.mask)
-        self._films[side].set_mask(
-            self._place.desk.publish(png, "image/png", key=f"mask-{side}"), 0
-        )
+        self._films[side].set_mask(self._desk.publish(png, "image/png", key=f"mask-{side}"), 0)
 
     def _tools(self) -> None:
         made: dict[Mode, Element] = {}
@@ -107,12 +113,12 @@ class LightViews:
             notes(warnings)
 
     async def _drawn(self, side: str, stroke: Stroke) -> None:
-        current = self._place.reading
+        current = self._current()
         if current is None or self._reading.busy:
             return
-        self._place.result.clear()
+        self._result.clear()
         try:
-            pair = await self._place.work.in_thread(current.edit_view, side, stroke)
+            pair = await self._work.in_thread(current.edit_view, side, stroke)
         except PanokitError as error:
             self._reading.fail(in_words(error))
             return
@@ -122,20 +128,18 @@ class LightViews:
         self._tell(current.found.warnings if current.found else pair.warnings)
 
     async def _read(self) -> None:
-        current, work = self._place.reading, self._place.work
+        current, work = self._current(), self._work
         if current is None:
             return
 
         async def read() -> None:
-            name = reading.chosen_model(self._place.settings.lighting_model)
+            name = reading.chosen_model(self._settings.lighting_model)
             model = await work.in_thread(reading.loaded_model, name)
             self._reading.step("Reading the light")
             result = await work.in_thread(current.read, model)
-            self._place.result.show(
-                result, await work.in_thread(reading.light_page, result.estimate)
-            )
+            self._result.show(result, await work.in_thread(reading.light_page, result.estimate))
             self._reading.step("Lighting two balls")
-            self._place.result.show_balls(await work.in_thread(current.shown, result))
+            self._result.show_balls(await work.in_thread(current.shown, result))
 
-        self._place.result.clear()
+        self._result.clear()
         await self._reading.run(read, "Loading the model")

@@ -75,8 +75,9 @@ class LightingPlace:
         self._input()
         self._progress = Progress()
         self._stage = box("result")
-        self.views = LightViews(self)
-        self.result = LightResult(self)
+        views, result = box(), box()
+        self.result = LightResult(result, desk, work, self._begin_another)
+        self.views = LightViews(views, settings, desk, work, lambda: self.reading, self.result)
 
     def _input(self) -> None:
         with box("split-input"):
@@ -329,7 +330,7 @@ class LightingPlace:
         self.film.show(last)
         self._following.at((last + 1) / self.reading.frames.count, f"Following: frame {last + 1}")
 
-    async def begin_another(self) -> None:
+    async def _begin_another(self) -> None:
         """Keep what was read, and select another object in the same video."""
         if self.reading is None:
             return

@@ -1,18 +1,18 @@
 """Probes that are ticked, or chosen to be different: for another tool, with their credits."""
 
 import asyncio
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
 from nicegui import ui
 
 from panokit.app import browsing
+from panokit.app.browsing import Shelf
+from panokit.app.desks import Desk
 from panokit.app.progress import Progress
 from panokit.app.widgets import box, button, choice, notes, text_field, words
+from panokit.app.work import Work
 from panokit.errors import UsageError
 from panokit.probes.settings import ExportSettings, SelectSettings
-
-if TYPE_CHECKING:
-    from panokit.app.probes_place import ProbesPlace
 
 _TARGETS = {
     "exr": "EXR",
@@ -32,8 +32,10 @@ _POLL_S = 0.2
 class ProbeExport:
     """The part of Probe library that selects and exports."""
 
-    def __init__(self, place: "ProbesPlace") -> None:
-        self._place = place
+    def __init__(
+        self, desk: Desk, work: Work, shelf: Shelf, select: Callable[[Sequence[str]], None]
+    ) -> None:
+        self._desk, self._work, self._shelf, self._select = desk, work, shelf, select
         self._values: dict[str, str] = {"to": "exr", "sun": "in-map", "width_px": ""}
         self._number = "8"
         self._box = box()
@@ -44,15 +46,14 @@ class ProbeExport:
         """Say how many are ticked, and what can be done with them."""
         self._box.clear()
         self._notes.clear()
-        place = self._place
-        if not place.entries:
+        if not self._shelf.entries:
             return
-        count = len(place.selected)
+        count = len(self._shelf.selected)
         with self._box, box("panel export"):
             words("h2", f"{count} selected" if count else "Select and export")
             with box("bar-row"):
                 button("Select all shown", self._all)
-                button("None", lambda: place.select(()), label="Select none")
+                button("None", lambda: self._select(()), label="Select none")
                 text_field("Choose this many that differ most", self._number, self._count_typed,
                            kind="number")  # fmt: skip
                 button("Choose", self._choose)
@@ -73,11 +74,10 @@ class ProbeExport:
         self._number = text
 
     def _all(self) -> None:
-        self._place.select([entry.id for entry in self._place.entries])
+        self._select([entry.id for entry in self._shelf.entries])
 
     async def _choose(self) -> None:
-        place = self._place
-        library = place.library
+        shelf, library = self._shelf, self._shelf.library
         if library is None:
             return
 
@@ -85,14 +85,13 @@ class ProbeExport:
             if not self._number.isdigit() or int(self._number) < 1:
                 raise UsageError("Say how many to choose: a whole number over 0.")
             settings = SelectSettings(count=int(self._number))
-            ids = await place.work.in_thread(browsing.choose, library, dict(place.typed), settings)
-            place.select(ids)
+            ids = await self._work.in_thread(browsing.choose, library, dict(shelf.typed), settings)
+            self._select(ids)
 
         await self._progress.run(work, "Choosing")
 
     async def _export(self) -> None:
-        place, values = self._place, self._values
-        library, ids = place.library, tuple(place.selected)
+        library, ids, values = self._shelf.library, tuple(self._shelf.selected), self._values
         if library is None or not ids:
             return
         done: list[None] = []
@@ -102,8 +101,8 @@ class ProbeExport:
                 {**values, "width_px": int(values["width_px"]) if values["width_px"] else None}
             )
             exporting = asyncio.create_task(
-                place.work.in_thread(
-                    browsing.export, library, ids, settings, place.desk.room("export"),
+                self._work.in_thread(
+                    browsing.export, library, ids, settings, self._desk.room("export"),
                     lambda: done.append(None),
                 )
             )  # fmt: skip
@@ -113,7 +112,7 @@ class ProbeExport:
             content, media_type, name, problems = await exporting
             with self._notes:
                 notes(problems, "fail")
-            ui.download(place.desk.publish(content, media_type, filename=name), name)
+            ui.download(self._desk.publish(content, media_type, filename=name), name)
 
         self._notes.clear()
         await self._progress.run(work, "Exporting")

@@ -1,21 +1,19 @@
 """One probe of the library: look around in it, and read all that is known of it."""
 
-from typing import TYPE_CHECKING
-
 from panokit.app import browsing
+from panokit.app.browsing import Shelf
+from panokit.app.desks import Desk
 from panokit.app.progress import Progress
 from panokit.app.widgets import badge, box, button, facts, fold, map_frame, scroll_to, words
+from panokit.app.work import Work
 from panokit.probes.probe import Probe
-
-if TYPE_CHECKING:
-    from panokit.app.probes_place import ProbesPlace
 
 
 class ProbePage:
     """The part of Probe library that shows one probe, above the gallery's end."""
 
-    def __init__(self, place: "ProbesPlace") -> None:
-        self._place = place
+    def __init__(self, desk: Desk, work: Work, shelf: Shelf) -> None:
+        self._desk, self._work, self._shelf = desk, work, shelf
         self._box = box()
         self._progress = Progress()
 
@@ -25,7 +23,7 @@ class ProbePage:
 
     async def open(self, id: str) -> None:
         """Show a probe."""
-        library, work = self._place.library, self._place.work
+        library, work = self._shelf.library, self._work
         if library is None:
             return
 
@@ -38,7 +36,7 @@ class ProbePage:
         await self._progress.run(show, "Reading the map")
 
     def _show(self, probe: Probe, page: bytes) -> None:
-        address = self._place.desk.publish(page, "text/html; charset=utf-8", key="probe")
+        address = self._desk.publish(page, "text/html; charset=utf-8", key="probe")
         self.close()
         with self._box, box("stage-step", "section"):
             with box("bar-row title-row"):

@@ -6,6 +6,7 @@ from pathlib import Path
 from nicegui import ui
 
 from panokit.app import browsing
+from panokit.app.browsing import Shelf
 from panokit.app.desks import Desk
 from panokit.app.probe_export import ProbeExport
 from panokit.app.probe_page import ProbePage
@@ -23,8 +24,7 @@ from panokit.app.widgets import (
     text_field,
     words,
 )
-from panokit.app.work import Work, in_words
-from panokit.errors import PanokitError
+from panokit.app.work import Work
 from panokit.probes.entry import Entry
 
 _MORE = 48
@@ -39,10 +39,7 @@ class ProbesPlace:
 
     def __init__(self, settings: AppSettings, desk: Desk, work: Work) -> None:
         self.desk, self.work = desk, work
-        self.library: Path | None = settings.library
-        self.typed: dict[str, str] = {}
-        self.entries: tuple[Entry, ...] = ()
-        self.selected: dict[str, str] = {}
+        self.shelf = Shelf(library=settings.library)
         self._shown = _MORE
         words("h1", "Probe library")
         words(
@@ -61,31 +58,31 @@ class ProbesPlace:
             )
         self._progress = Progress()
         self._filters = box()
-        self.page = ProbePage(self)
-        self.export = ProbeExport(self)
+        self.page = ProbePage(desk, work, self.shelf)
+        self.export = ProbeExport(desk, work, self.shelf, self.select)
         self._bar = box()
         self._gallery = box("gallery-place")
         with self._bar:
             self._count = words("p", "", "gallery-count").props('role="status"')
         self._bar.set_visibility(False)
-        if self.library is not None:
+        if self.shelf.library is not None:
             ui.timer(0.05, self._begin, once=True)
 
     async def _open(self, text: str) -> None:
-        self.library = Path(text.strip()).expanduser() if text.strip() else None
+        self.shelf.library = Path(text.strip()).expanduser() if text.strip() else None
         await self._begin()
 
     async def _begin(self) -> None:
         """Another library."""
-        self.typed, self.selected, self.entries = {}, {}, ()
+        self.shelf.typed, self.shelf.selected, self.shelf.entries = {}, {}, ()
         for place in (self._filters, self._gallery):
             place.clear()
         self.page.close()
         self.export.show()
         self._bar.set_visibility(False)
-        if self.library is None:
+        if self.shelf.library is None:
             return
-        library = self.library
+        library = self.shelf.library
         self.desk.pictures["preview"] = lambda id: browsing.preview(library, id)
 
         async def work() -> None:
@@ -99,7 +96,7 @@ class ProbesPlace:
     def _form(self, options: dict[str, list[str]]) -> None:
         def take(name: str) -> Callable[[str], Awaitable[None]]:
             async def taken(text: str) -> None:
-                self.typed[name] = str(text)
+                self.shelf.typed[name] = str(text)
                 self._shown = _MORE
                 await self._again()
 
@@ -134,22 +131,25 @@ class ProbesPlace:
         await self._progress.run(self._find, "Looking")
 
     async def _find(self) -> None:
-        if self.library is None:
+        if self.shelf.library is None:
             return
         while True:
-            typed = dict(self.typed)
-            self.entries, total = await self.work.in_thread(browsing.find, self.library, typed)
-            if typed == self.typed:
+            typed = dict(self.shelf.typed)
+            self.shelf.entries, total = await self.work.in_thread(
+                browsing.find, self.shelf.library, typed
+            )
+            if typed == self.shelf.typed:
                 break
         self._bar.set_visibility(True)
-        shown = len(self.entries)
+        shown = len(self.shelf.entries)
         said = f"{shown} probes" if shown == total else f"{shown} of {total} probes"
         if total == 0:
-            said = f"The library is empty. Add maps with: panokit probes add {self.library} MAP..."
+            add = f"panokit probes add {self.shelf.library} MAP..."
+            said = f"The library is empty. Add maps with: {add}"
         elif shown == 0:
             said = f"None of the {total} probes passes. Ask for less."
         say(self._count, said)
-        self._show(self.entries[: self._shown])
+        self._show(self.shelf.entries[: self._shown])
         self.export.show()
 
     def _show(self, entries: Sequence[Entry]) -> None:
@@ -158,14 +158,14 @@ class ProbesPlace:
             with box("cards", "ul"):
                 for entry in entries:
                     self._card(entry)
-            left = len(self.entries) - len(entries)
+            left = len(self.shelf.entries) - len(entries)
             if left > 0:
                 with box("bar-row"):
                     button(f"Show {min(left, _MORE)} more of {left}", self._more)
 
     def _more(self) -> None:
         self._shown += _MORE
-        self._show(self.entries[: self._shown])
+        self._show(self.shelf.entries[: self._shown])
 
     def _card(self, entry: Entry) -> None:
         with box("card", "li"):
@@ -197,22 +197,18 @@ class ProbesPlace:
     def _tick(self, entry: Entry) -> None:
         def ticked(on: bool) -> None:
             if on:
-                self.selected[entry.id] = entry.name
+                self.shelf.selected[entry.id] = entry.name
             else:
-                self.selected.pop(entry.id, None)
+                self.shelf.selected.pop(entry.id, None)
             self.export.show()
 
-        check("Selected", value=entry.id in self.selected, take=ticked).props["aria-label"] = (
-            f"Select {entry.name}"
-        )
+        check("Selected", value=entry.id in self.shelf.selected, take=ticked).props[
+            "aria-label"
+        ] = f"Select {entry.name}"
 
     def select(self, ids: Sequence[str]) -> None:
         """Tick these probes, and no others."""
-        names = {entry.id: entry.name for entry in self.entries}
-        self.selected = {id: names.get(id, id) for id in ids}
-        self._show(self.entries[: self._shown])
+        names = {entry.id: entry.name for entry in self.shelf.entries}
+        self.shelf.selected = {id: names.get(id, id) for id in ids}
+        self._show(self.shelf.entries[: self._shown])
         self.export.show()
-
-    def fail(self, error: PanokitError) -> None:
-        """Tell what went wrong."""
-        self._progress.fail(in_words(error))
