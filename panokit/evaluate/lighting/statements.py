@@ -113,6 +113,8 @@ STATEMENTS: tuple[Statement, ...] = (
               first="panokit", second="background-branch", primary="light-vector"),
     Statement(number="", text="panokit's model beats the thesis's final model, relit ball",
               first="panokit", second="background-branch", primary="relit-diffuse-rmse"),
+    Statement(number="", text="a background put where the map shows it is better",
+              first="panokit", second="panokit-no-window"),
 )  # fmt: skip
 
 
