@@ -76,6 +76,12 @@ class Run:
         self.average.update_parameters(self.network)
         self.step += 1
 
+    def hold(self, learning_rate: float) -> None:
+        """Make all steps from here on with one learning rate."""
+        for group in self.optimizer.param_groups:
+            group["lr"] = learning_rate
+        self.schedule = torch.optim.lr_scheduler.ConstantLR(self.optimizer, 1, total_iters=0)
+
     def save(self, path: Path) -> None:
         """Write the checkpoint, random states included; only the team's first process does."""
         if not self.team.leads:

@@ -1,5 +1,6 @@
 """The training loop: epochs over a pack, the average of the weights validated after each."""
 
+import json
 import logging
 import math
 import time
@@ -13,7 +14,7 @@ from torch import Tensor, nn
 
 from panokit.engine import report
 from panokit.networks.stereo.coding import encode
-from panokit.train.history import History
+from panokit.train.history import FILE, History
 from panokit.train.run import Run, start
 from panokit.train.stereo.losses import MapLoss
 from panokit.train.stereo.pack import Pack
@@ -23,6 +24,8 @@ from panokit.train.team import ALONE, Team
 
 # A training has converged when its last fifth brought less than this.
 CONVERGED_BELOW = 0.01
+# Of the learning rate: what steps beyond the schedule are made with.
+TAIL_RATE = 0.05
 _VALIDATION_BATCH = 64
 
 logger = logging.getLogger(__name__)
@@ -77,25 +80,40 @@ def train_lighting(
     )
     checkpoint = work / "checkpoint.pt"
     run.resume(checkpoint)
+    losses = _losses_until(work / FILE, run.step)
     history = History(work if team.leads else None, recipe.id, run.step)
     loss_of = MapLoss(recipe.loss, recipe.coding.coding)
-    for epoch in range(run.step // per_epoch, schedule.epochs):
+    for epoch in range(run.step // per_epoch, schedule.epochs + schedule.tail_epochs):
+        if epoch >= schedule.epochs:
+            if has_converged(losses):
+                break
+            run.hold(TAIL_RATE * schedule.learning_rate)
         began = time.process_time()
         terms = _epoch(run, recipe, training, loss_of, epoch, per_epoch)
         found = validate(run.average.module, recipe, validation, loss_of, team)
         found["cpu_s"] = time.process_time() - began
+        losses.append(found["validation"])
         history.note(run.step, {**terms, **found}, run.learning_rate)
         report(
-            f"{recipe.id}: epoch {epoch + 1} of {schedule.epochs}, "
+            f"{recipe.id}: epoch {epoch + 1} of {max(schedule.epochs, epoch + 1)}, "
             f"validation {found['validation']:.4f}"
         )
-        logger.info("epoch %d of %d, validation %.4f", epoch + 1, schedule.epochs,
-                    found["validation"])  # fmt: skip
+        logger.info("epoch %d, validation %.4f", epoch + 1, found["validation"])
         run.save(checkpoint)
     history.close()
     run.finish()
     network.to(memory_format=torch.contiguous_format)  # type: ignore[call-overload]
     return network
+
+
+def _losses_until(path: Path, step: int) -> list[float]:
+    """The validation losses of a run that goes on after a step, epoch by epoch."""
+    if not path.exists() or step == 0:
+        return []
+    lines = [
+        json.loads(line) for line in path.read_text("utf-8").splitlines() if line.endswith("}")
+    ]
+    return [float(line["validation"]) for line in lines if line["step"] <= step]
 
 
 def _epoch(

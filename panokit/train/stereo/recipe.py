@@ -66,11 +66,14 @@ class ScheduleRecipe(Settings):
     epochs: int = Field(default=30, ge=1)
     """Times that each sample is seen."""
 
+    tail_epochs: int = Field(default=0, ge=0)
+    """At most so many more, at a twentieth of the learning rate, until training has converged."""
+
     batch: int = Field(default=24, ge=1)
     """Samples per step; 24 in the thesis."""
 
     learning_rate: float = Field(default=3e-4, gt=0)
-    """At the start; it falls to zero on a cosine."""
+    """At the start; it falls to zero on a cosine over `epochs`."""
 
     weight_decay: float = Field(default=1e-4, ge=0)
     """Of AdamW."""

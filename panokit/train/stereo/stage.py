@@ -268,7 +268,7 @@ def _summary(
         "input_px": recipe.network.input_px,
         "parameters": sum(weights.numel() for weights in network.parameters()),
         "steps": lines[-1]["step"],
-        "epochs": recipe.schedule.epochs,
+        "epochs": len(lines),
         "cpu_hours": round(sum(float(line["cpu_s"]) for line in lines) / 3600, 6),
         "torch": str(torch.__version__),
         "converged": has_converged(validation),

@@ -11,6 +11,7 @@ torch = pytest.importorskip("torch")
 from panokit.evaluate.lighting.predictors import NetworkPredictor  # noqa: E402
 from panokit.evaluate.lighting.sample import sample_of  # noqa: E402
 from panokit.networks.stereo.settings import StereoNetSettings  # noqa: E402
+from panokit.train.stereo import loop  # noqa: E402
 from panokit.train.stereo.loop import has_converged, train_lighting  # noqa: E402
 from panokit.train.stereo.losses import MapLoss, render_difference  # noqa: E402
 from panokit.train.stereo.pack import Pack  # noqa: E402
@@ -102,6 +103,38 @@ def test_stopped_and_started_again_it_is_the_same_to_the_last_bit(pack, tmp_path
         for n in ("whole", "parts")
     ]
     assert histories[0] == histories[1]
+
+
+def with_tail(epochs):
+    schedule = TINY.schedule.model_copy(update={"epochs": 2, "tail_epochs": epochs})
+    return TINY.model_copy(update={"schedule": schedule})
+
+
+def lines_of(work):
+    return [json.loads(line) for line in (work / "history.jsonl").read_text().splitlines()]
+
+
+@pytest.mark.parametrize("converged_after, epochs", [(1, 2), (4, 4), (99, 6)])
+def test_it_goes_on_until_it_has_converged(pack, tmp_path, monkeypatch, converged_after, epochs):
+    monkeypatch.setattr(loop, "has_converged", lambda losses: len(losses) >= converged_after)
+    train_lighting(with_tail(4), *halves(pack), tmp_path)
+    rates = [line["learning_rate"] for line in lines_of(tmp_path)]
+    assert len(rates) == epochs
+    assert rates[1] == pytest.approx(0, abs=1e-9)
+    assert rates[2:] == pytest.approx([0.05 * TINY.schedule.learning_rate] * (epochs - 2))
+
+
+def test_a_longer_tail_goes_on_from_a_shorter_one(pack, tmp_path, monkeypatch):
+    monkeypatch.setattr(loop, "has_converged", lambda losses: False)
+    whole = train_lighting(with_tail(3), *halves(pack), tmp_path / "whole")
+    train_lighting(with_tail(0), *halves(pack), tmp_path / "parts")
+    train_lighting(with_tail(1), *halves(pack), tmp_path / "parts")
+    rest = train_lighting(with_tail(3), *halves(pack), tmp_path / "parts")
+    for one, other in zip(whole.parameters(), rest.parameters(), strict=True):
+        assert torch.equal(one, other)
+    losses = [[line["loss"] for line in lines_of(tmp_path / n)] for n in ("whole", "parts")]
+    assert len(losses[0]) == 5
+    assert losses[0] == losses[1]
 
 
 def test_mirrored_pairs_change_sides(pack):
