@@ -8,7 +8,9 @@ from torch import Tensor
 from panokit.color.hdr_coding import ColorCode, HdrCoding
 from panokit.color.lab import LabScheme, lab_matrices
 
+# CIE 15: where the cube root of L*a*b* gives way to a line.
 _EDGE = 6 / 29
+# IEC 61966-2-1: the slope of the line of sRGB, and where its curve begins.
 _LINE, _ENCODED_EDGE = 12.92, 0.04045
 _LINEAR_EDGE = _ENCODED_EDGE / _LINE
 
@@ -18,8 +20,7 @@ def encode(radiance: Tensor, coding: HdrCoding) -> Tensor:
     logs = torch.log1p(radiance) / coding.log_max
     if coding.color is ColorCode.RGB:
         return 2 * logs - 1
-    curve = ((logs.clamp(min=_ENCODED_EDGE) + 0.055) / 1.055) ** 2.4
-    linear = torch.where(logs <= _ENCODED_EDGE, logs / _LINE, curve)
+    linear = srgb_decode(logs)
     matrix = torch.as_tensor(
         lab_matrices(_scheme(coding)).xyz_from_rgb, dtype=linear.dtype, device=linear.device
     )
@@ -57,7 +58,21 @@ def _rgb_from_lab(code: Tensor, scheme: LabScheme) -> Tensor:
     root = torch.stack([y + a / 500, y, y - b / 200], dim=1)
     xyz = torch.where(root > _EDGE, root**3, 3 * _EDGE**2 * (root - 4 / 29))
     matrix = torch.as_tensor(lab_matrices(scheme).rgb_from_xyz, dtype=xyz.dtype, device=xyz.device)
-    linear = torch.einsum("ij,bjhw->bihw", matrix, xyz)
+    return _srgb_encode(torch.einsum("ij,bjhw->bihw", matrix, xyz))
+
+
+def srgb_decode(encoded: Tensor) -> Tensor:
+    """Light of sRGB values, any shape (IEC 61966-2-1); the twin of `panokit.color.srgb_decode`.
+
+    What the curve does not hold for is clamped before the power: a power of a negative number has
+    no gradient, and a gradient that is not a number spoils the whole batch.
+    """
+    curve = ((encoded.clamp(min=_ENCODED_EDGE) + 0.055) / 1.055) ** 2.4
+    return torch.where(encoded <= _ENCODED_EDGE, encoded / _LINE, curve)
+
+
+def _srgb_encode(linear: Tensor) -> Tensor:
+    """The way back."""
     curve = 1.055 * linear.clamp(min=_LINEAR_EDGE) ** (1 / 2.4) - 0.055
     return torch.where(linear <= _LINEAR_EDGE, _LINE * linear, curve)
 

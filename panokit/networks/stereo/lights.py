@@ -19,8 +19,8 @@ _HIDDEN = 128
 class LightLobes(nn.Module):
     """Lobes of light on the sphere, from features.
 
-    A lobe is a spherical Gaussian, `amplitude * exp(sharpness * (cos - 1))`, see
-    `panokit.sphere` for the same on arrays.
+    A lobe is a spherical Gaussian, `amplitude * exp(sharpness * (cos - 1))` with the cosine of
+    the angle to its axis; `panokit.sphere.fit_gaussians` has the same on arrays.
 
     Args:
         inputs: Features.
@@ -43,7 +43,15 @@ class LightLobes(nn.Module):
         )
 
     def lights(self, features: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """(B, inputs) to directions (B, n, 3), sharpness (B, n) and amplitudes (B, n, 3)."""
+        """The lobes.
+
+        Args:
+            features: (B, inputs).
+
+        Returns:
+            Unit directions (B, n, 3) in the left camera's frame, sharpness (B, n) and amplitudes
+            (B, n, 3), linear radiance.
+        """
         raw = self.head(features).float().view(-1, self.count, 8)
         direction = F.normalize(raw[..., :3] + 1e-4, dim=-1)
         share = torch.sigmoid(raw[..., 3])

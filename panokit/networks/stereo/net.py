@@ -101,7 +101,8 @@ class StereoNet(nn.Module):
             left: (B, 3, H, W) in [-1, 1]: the object on its background, or on zero, as
                 `settings.background` says.
             right: The same of the right view.
-            background: (B, 3, H, W), the background alone; used by the branch only.
+            background: (B, 3, H, W) in [-1, 1], the background alone; without a branch and a
+                window nothing looks at it.
 
         Returns:
             (B, 3, output, output) code values, see `panokit.color.hdr_coding`.

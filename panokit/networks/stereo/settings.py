@@ -7,6 +7,8 @@ from pydantic import Field, model_validator
 from panokit.settings import Settings
 
 ENCODER_BLOCKS = 3
+# The decoder starts from no more: fusion narrows views of up to 512 pixels down to that.
+_LEAST_MAP_PX = 8
 
 
 class StereoNetSettings(Settings):
@@ -43,10 +45,10 @@ class StereoNetSettings(Settings):
     """Features after the first block; each block of the encoder doubles them."""
 
     input_px: int = Field(default=128, ge=16)
-    """Width and height of the views, a multiple of 8."""
+    """Width and height of the views, a power of two."""
 
     output_px: int = Field(default=64, ge=8)
-    """Width and height of the map."""
+    """Width and height of the map, a power of two."""
 
     wrap: bool = False
     """Whether the decoder's last convolutions close the map in azimuth."""
@@ -73,30 +75,14 @@ class StereoNetSettings(Settings):
 
     @model_validator(mode="after")
     def _fits(self) -> "StereoNetSettings":
-        if self.input_px % 2**ENCODER_BLOCKS:
-            raise ValueError(f"input_px is a multiple of {2**ENCODER_BLOCKS}")
-        if self.output_px & (self.output_px - 1):
-            raise ValueError("output_px is a power of two")
-        if self.output_px % self.coarser:
-            raise ValueError("output_px is a multiple of coarser")
+        # Blocks halve and double sizes; from any other size they do not arrive at the map's.
+        for name in ("input_px", "output_px"):
+            if (size := getattr(self, name)) & (size - 1):
+                raise ValueError(f"{name} is a power of two, such as 64 or 128, not {size}")
+        if self.output_px % self.coarser or self.output_px // self.coarser < _LEAST_MAP_PX:
+            raise ValueError(
+                f"output_px is a multiple of coarser, and at least {_LEAST_MAP_PX} times as large"
+            )
         if self.pyramid and self.fusion == "concat":
             raise ValueError('a pyramid of similarities needs fusion = "similarity"')
         return self
-
-
-# The thesis's configurations (its section 4.3): name -> choices.
-_PLAIN = {"similarity": "pointwise", "background": "composited"}
-THESIS: dict[str, dict[str, object]] = {
-    "concat-unshared": {**_PLAIN, "fusion": "concat", "weights": "unshared"},
-    "concat-shared": {**_PLAIN, "fusion": "concat"},
-    "dot-product": {**_PLAIN},
-    "no-background": {**_PLAIN, "background": "none"},
-    "background-branch": {**_PLAIN, "background": "branch"},
-    "pyramid": {**_PLAIN, "background": "branch", "pyramid": True},
-    "pyramid-multi-scale": {**_PLAIN, "background": "branch", "pyramid": True, "multi_scale": True},
-}
-
-
-def thesis_settings(name: str, *, deep: bool = False, **changes: object) -> StereoNetSettings:
-    """One of the thesis's networks, shallow or deep."""
-    return StereoNetSettings.model_validate({**THESIS[name], "layers": 3 if deep else 1, **changes})

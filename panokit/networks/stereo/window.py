@@ -10,11 +10,12 @@ from torch import Tensor, nn
 from torch.nn import functional as F
 
 from panokit.color.hdr_coding import HdrCoding
-from panokit.networks.stereo.coding import encode
+from panokit.networks.stereo.coding import encode, srgb_decode
 from panokit.sphere import equirect_directions
 from panokit.sphere.perspective import perspective_pixel
 
-# To that size the background is averaged before it is read: about a pixel of the map.
+# The background is averaged down to this width before it is read: of 40 degrees a sixteenth is
+# 2.5, about the height of a pixel of the 64x64 map, so that none is read between two pixels.
 _READ_PX = 16
 
 
@@ -43,9 +44,7 @@ class BackgroundWindow(nn.Module):
 
         Three channels of code values, zero where nothing is known, and one that says where it is.
         """
-        encoded = ((background.float() + 1) / 2).clamp(0, 1)
-        curve = ((encoded + 0.055) / 1.055) ** 2.4
-        linear = torch.where(encoded <= 0.04045, encoded / 12.92, curve)
+        linear = srgb_decode(((background.float() + 1) / 2).clamp(0, 1))
         size = linear.shape[-1]
         small = F.avg_pool2d(linear, size // _READ_PX) if size > _READ_PX else linear
         grid = self.grid.expand(small.shape[0], -1, -1, -1)

@@ -1,5 +1,7 @@
 """The stereo networks: every choice runs, and does what it says."""
 
+from pathlib import Path
+
 import pytest
 from pydantic import ValidationError
 
@@ -9,14 +11,12 @@ from panokit.color.hdr_coding import HdrCoding  # noqa: E402
 from panokit.networks.stereo.coding import decode  # noqa: E402
 from panokit.networks.stereo.net import StereoNet, _interpolated  # noqa: E402
 from panokit.networks.stereo.reflectance import Dematerial, PictureToMap  # noqa: E402
-from panokit.networks.stereo.settings import (  # noqa: E402
-    THESIS,
-    StereoNetSettings,
-    thesis_settings,
-)
+from panokit.networks.stereo.settings import StereoNetSettings  # noqa: E402
+from panokit.train.stereo.recipe import read_lighting_recipe  # noqa: E402
 
 pytestmark = pytest.mark.train
 SMALL = {"width": 4, "input_px": 32, "output_px": 16}
+RECIPES = sorted((Path(__file__).parents[3] / "pipelines/lighting").glob("*.toml"))
 
 
 def views(size=32, seed=0):
@@ -24,11 +24,14 @@ def views(size=32, seed=0):
     return [torch.randn(2, 3, size, size, generator=generator) for _ in range(3)]
 
 
-@pytest.mark.parametrize("deep", [False, True])
-@pytest.mark.parametrize("name", THESIS)
-def test_every_network_of_the_thesis_runs(name, deep):
-    net = StereoNet(thesis_settings(name, deep=deep, **SMALL))
-    assert net(*views()).shape == (2, 3, 16, 16)
+def test_every_stereo_network_of_the_suite_runs():
+    recipes = [
+        recipe for path in RECIPES if (recipe := read_lighting_recipe(path)).kind == "stereo"
+    ]
+    assert len(recipes) > 10
+    for recipe in recipes:
+        net = StereoNet(StereoNetSettings.model_validate({**recipe.network.model_dump(), **SMALL}))
+        assert net(*views()).shape == (2, 3, 16, 16), recipe.id
 
 
 @pytest.mark.parametrize("size, bottleneck", [(64, 8), (128, 8), (256, 4)])
@@ -82,8 +85,14 @@ def test_a_wrapped_decoder_gives_a_turned_map_for_turned_features():
 def test_contradictory_choices_are_refused():
     with pytest.raises(ValidationError, match="pyramid"):
         StereoNetSettings(pyramid=True, fusion="concat")
-    with pytest.raises(ValidationError, match="multiple of 8"):
-        StereoNetSettings(input_px=30)
+    with pytest.raises(ValidationError, match="multiple of coarser"):
+        StereoNetSettings(coarser=16)
+
+
+@pytest.mark.parametrize("size", [30, 96])
+def test_sizes_that_do_not_arrive_at_the_map_are_refused(size):
+    with pytest.raises(ValidationError, match=f"input_px is a power of two.* not {size}"):
+        StereoNetSettings(input_px=size)
 
 
 def test_the_networks_on_reflectance_maps_run():
