@@ -116,14 +116,6 @@ class Ledger:
         with self._connection() as connection:
             self._add_done(connection, receipt)
 
-    def remove(self, item: str, stage: str) -> None:
-        """Forget a rejection, because the item went through."""
-        if self.exists:
-            with self._connection() as connection:
-                connection.execute(
-                    "DELETE FROM rejections WHERE item = ? AND stage = ?", (item, stage)
-                )
-
     def clear(self) -> None:
         """Forget every rejection: the next run tries all items again."""
         if self.exists:
@@ -205,8 +197,8 @@ class Ledger:
         rejected = self._rows("SELECT item, stage, key, reason FROM rejections", ())
         return sorted((*done, *rejected))
 
-    def rebuild(self, events: Iterable[Mapping[str, Any]]) -> int:
-        """Fill an empty ledger from the lines of a log; how many outcomes it has then.
+    def rebuild(self, events: Iterable[Mapping[str, Any]]) -> None:
+        """Fill an empty ledger from the lines of a log.
 
         Args:
             events: As `RunFolder.events` gives them.
@@ -225,7 +217,6 @@ class Ledger:
                         self._add(connection, rejection, str(event.get("key", "")))
                     case {"event": "forget-rejections"}:
                         connection.execute("DELETE FROM rejections")
-        return len(self.content())
 
     @staticmethod
     def _add(connection: sqlite3.Connection, rejection: Rejection, key: str) -> None:

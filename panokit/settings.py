@@ -8,8 +8,8 @@ from panokit.provenance import digest_of
 class Settings(BaseModel):
     """Frozen settings of one stage; unknown fields are errors.
 
-    A subclass documents each field with `Field(description=...)`: that text is the command
-    line's help. Angles, lengths and sizes carry their unit in the name.
+    A subclass documents each field with a string below it: that text is the command line's help.
+    Angles, lengths and sizes carry their unit in the name.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)

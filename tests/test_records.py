@@ -5,7 +5,7 @@ import pytest
 from panokit.errors import Rejection, StorageError
 from panokit.io.files import file_entry, write_json
 from panokit.ledger import Ledger
-from panokit.records import RunFolder, is_complete, require_folder, stage_key
+from panokit.records import Receipt, RunFolder, is_complete, require_folder, stage_key
 
 
 def finished(path, key):
@@ -71,8 +71,9 @@ def test_the_ledger_remembers_by_item_stage_and_key(tmp_path):
     assert ledger.rejections("expand") == []
     ledger.add(rejection, "k2")
     assert len(ledger.rejections()) == 1
-    ledger.remove("p", "stitch")
+    ledger.add_done(Receipt(item="p", stage="stitch", path=tmp_path, key="k"))
     assert ledger.rejections() == []
+    assert ledger.content() == [("p", "stitch", "k", "done")]
 
 
 def test_a_damaged_ledger_says_what_to_do(tmp_path):

@@ -1,5 +1,6 @@
 """`panokit run`: a pipeline from its TOML file."""
 
+import json as json_text
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -47,7 +48,7 @@ def run(  # noqa: PLR0913 (each is an option of the command)
     engine
         serial, local, dask, slurm or the address of a Dask scheduler.
     workers
-        Of the engine; one for each core if not given.
+        Of the engine. If not given: one for each core, one job on Slurm, all that a scheduler has.
     stop_after
         The last stage, for instance expand; all that the pipeline has if not given.
     retry_rejected
@@ -66,7 +67,8 @@ def run(  # noqa: PLR0913 (each is an option of the command)
     console = Console(as_json=json)
     overrides = list(set_)
     for name, value in (("output", out), ("engine", engine)):
-        overrides += [] if value is None else [f"{name}={str(value)!r}"]
+        # JSON's strings are TOML's, too.
+        overrides += [] if value is None else [f"{name}={json_text.dumps(str(value))}"]
     overrides += [] if workers is None else [f"workers={workers}"]
     settings = load_settings(pipeline, PipelineSettings, overrides)
     looks = {"--plan": plan, "--status": status, "--orphans": orphans, "--clean": clean}

@@ -51,7 +51,7 @@ class LocalEngine:
         self._on_report = on_report
         self._on_loss = on_loss
         if self.workers < 1:
-            raise UsageError("A local engine needs at least one worker.")
+            raise UsageError(f"{self.workers} workers do nothing. Give at least one.")
 
     def run(self, task: Callable[[Item], Outcome], items: Iterable[Item]) -> Iterator[Outcome]:
         """The outcome of each item, as they are done.

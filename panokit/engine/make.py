@@ -20,7 +20,8 @@ def make_engine(
 
     Args:
         name: "serial", "local", "dask", "slurm", or a scheduler's address (tcp://, tls://).
-        workers: How many; one for each core, or all that a scheduler has, if not given.
+        workers: How many. If not given: one for each core, one job on Slurm, all that a
+            scheduler has.
         cluster: For all but "serial" and "local".
         items_per_worker: "local" replaces a worker by a fresh one after so many items; the
             others go by their limit of memory.

@@ -10,6 +10,8 @@ from panokit.errors import UsageError
 from panokit.settings import Settings
 
 NAMES = ("serial", "local", "dask", "slurm")
+# How many workers there are where nobody says: jobs of a queue cost others, so one.
+SLURM_JOBS = 1
 SCHEMES = ("tcp", "tls")
 
 

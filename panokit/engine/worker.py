@@ -1,7 +1,8 @@
 """What runs in a worker process: take an item, run the task, send the outcome.
 
-Everything goes through one pipe. To the worker: an item, or None for the end. From it: pairs
-of a word of `FROM_WORKER` and a value.
+Everything goes through one pipe. To the worker: an item in a tuple, or None for the end. From it:
+pairs of a word and a value. "ready" comes once, when it has started; "report" is what a task
+reports; "outcome" is what a task returned, or "error" what it raised.
 """
 
 import os
@@ -18,8 +19,6 @@ from typing import Any
 
 from panokit.engine.protocol import reports_to
 from panokit.errors import PanokitError
-
-FROM_WORKER = ("ready", "report", "outcome", "error")
 
 
 def serve(pipe: "Connection[Any, Any]", task: Callable[[Any], Any]) -> None:

@@ -3,6 +3,7 @@
 settings    what a pipeline's TOML file says
 load        TOML -> settings, with line numbers and near names
 runner      a run from places to light probes, and on to models
+beforehand  what can be found out before it begins; result, what became of it
 fetching    the fetch stage of a run; serving, its server where it has one of its own
 judging     QA, its report and the library of a run
 references  maps of true range; modelling, datasets and models of all arms; judging_models, scores

@@ -7,19 +7,17 @@ places of both, so that what the first arm holds out the second does not learn f
 
 import os
 from collections.abc import Mapping, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from panokit.console import Console
 from panokit.dataset.production.settings import ProductionSettings
 from panokit.dataset.settings import VERSION as DATASET_VERSION
-from panokit.errors import MissingExtraError, UsageError
+from panokit.errors import UsageError
 from panokit.io.files import storage_error
 from panokit.io.pictures import record_path
 from panokit.pipeline.batch import BatchResult
 from panokit.pipeline.once import do_once, folder_of
-from panokit.pipeline.references import references_folder
 from panokit.pipeline.settings import Arm, DatasetStage, PipelineSettings
 from panokit.provenance import digest_of
 from panokit.records import Receipt, RunFolder, stage_key
@@ -29,26 +27,6 @@ if TYPE_CHECKING:
     from panokit.train.stereo.recipe import LightingRecipe
 
 TRAIN_VERSION = "1"
-# package, extra, what for
-_NEEDS: Mapping[str, tuple[str, str, str]] = {
-    "train": ("torch", "train", "The stage train of this pipeline"),
-    "references": ("mitsuba", "render", "Rendering maps of true range"),
-    "dataset": ("mitsuba", "render", "The stage dataset of this pipeline"),
-}
-
-
-def check_extras(settings: PipelineSettings, stages: Sequence[str]) -> None:
-    """Find out before anything is fetched whether the later stages can run here.
-
-    Raises:
-        MissingExtraError: If a package is not installed.
-    """
-    own = references_folder(settings.references) is None and settings.references.rendered > 0
-    renders = settings.dataset is not None and settings.dataset.settings.renderer == "mitsuba"
-    for stage, is_needed in (("train", True), ("references", own), ("dataset", renders)):
-        package, extra, purpose = _NEEDS[stage]
-        if stage in stages and is_needed and find_spec(package) is None:
-            raise MissingExtraError(package, extra, purpose)
 
 
 def render_arms(

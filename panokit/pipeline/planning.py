@@ -12,10 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from panokit.engine import available_cores
+from panokit.engine.settings import SLURM_JOBS
 from panokit.fetch.prices import price_of
 from panokit.fetch.settings import FetchSettings
 from panokit.fetch.where import total_wanted
 from panokit.ledger import Ledger
+from panokit.pipeline.beforehand import nearest_there
 from panokit.pipeline.costs import (
     COSTS,
     MEASURED,
@@ -89,7 +91,7 @@ class Plan:
     Attributes:
         name: Of the pipeline.
         stages: In order.
-        workers: That the time is for.
+        workers: That the time is for; of a scheduler's, one if the pipeline does not say how many.
         quota_days: Days that the sources' usual quotas take, None where they have none.
         within_quota: Whether one start can send all requests and spend all money.
         free_bytes: On the disk that the run goes to.
@@ -125,7 +127,7 @@ def plan_pipeline(settings: PipelineSettings, *, stop_after: str | None = None) 
         UsageError: If it has no such stage.
         PlaceError: If a city is not known, or no place is given.
     """
-    workers = 1 if settings.engine == "serial" else settings.workers or available_cores()
+    workers = _workers(settings)
     run = RunFolder(settings.folder())
     done = {stage: count for stage, (count, _, _) in Ledger(run.ledger).counts().items()}
     asks = served_asks(settings)
@@ -148,6 +150,14 @@ def plan_pipeline(settings: PipelineSettings, *, stop_after: str | None = None) 
         ),
         free_bytes=_free_bytes(run.root),
     )
+
+
+def _workers(settings: PipelineSettings) -> int:
+    """How many workers an engine has; of a scheduler that nobody was told of, one."""
+    if settings.engine == "serial":
+        return 1
+    own = {"local": available_cores(), "dask": available_cores(), "slurm": SLURM_JOBS}
+    return settings.workers or own.get(settings.engine, 1)
 
 
 def requests_of(ask: FetchSettings, panoramas: int, *, places: int = 1) -> tuple[int, int]:
@@ -276,7 +286,4 @@ _MODELS: dict[str, Callable[[PipelineSettings], tuple[int, StageCost]]] = {
 
 
 def _free_bytes(folder: Path) -> int:
-    there = folder.absolute()
-    while not there.exists():
-        there = there.parent
-    return shutil.disk_usage(there).free
+    return shutil.disk_usage(nearest_there(folder)).free

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from panokit.console import Console
+from panokit.dataset.cards.card import FILES as CARD_FILES
 from panokit.dataset.production.description import SCHEMA as DATASET
 from panokit.dataset.storage.layout import DatasetFolder
 from panokit.errors import UsageError
@@ -90,7 +91,7 @@ def published_names(folder: Path) -> list[str]:
         if read_json(dataset.description).get("schema") != DATASET:
             raise UsageError(f"{folder} is no dataset of this version of panokit.")
         shards = dataset.complete_shards()
-        cards = [folder / name for name in ("README.md", "sheet.jpg")]
+        cards = [folder / name for name in CARD_FILES]
         found = [path for shard in shards for path in (shard, shard.with_suffix(".json"))]
         found += [path for path in (*cards, dataset.description, dataset.index) if path.is_file()]
     elif (folder / _MODEL).is_file():

@@ -146,7 +146,7 @@ def _page(settings: PipelineSettings, result: RunResult, timings: Mapping[str, A
         Count(label="fetched", value=str(stages["fetch"]["done"])),
         *([] if probes is None else [Count(label="light probes", value=str(probes))]),
         Count(label="rejected", value=str(len({r.item for r in result.rejections}))),
-        Count(label="in the library and sets", value=size_text(_bytes(result.run))),
+        Count(label="library and models", value=size_text(_bytes(settings, result.run))),
     ]
     qa = result.run.qa / "report.html"
     links = f"The maps themselves, check by check: {qa.relative_to(result.run.root)}." if (
@@ -306,7 +306,8 @@ def _comparisons(values: Mapping[str, Any]) -> list[Section]:
     return told
 
 
-def _bytes(run: RunFolder) -> int:
-    folders = (run.root / "library", run.models)
+def _bytes(settings: PipelineSettings, run: RunFolder) -> int:
+    """How much lies in the library, which other runs may share, and below `models`."""
+    folders = (run.root / settings.library, run.models)
     files = (p for f in folders if f.is_dir() for p in f.rglob("*") if p.is_file())
     return sum(path.lstat().st_size for path in files)

@@ -13,6 +13,7 @@ from panokit.io.files import read_json, write_json
 from panokit.io.lock import only_process
 from panokit.ledger import Ledger
 from panokit.pipeline.batch import BatchResult, run_batch
+from panokit.pipeline.beforehand import check_beforehand
 from panokit.pipeline.fetching import fetch_batch, forget_rejections
 from panokit.pipeline.inputs import run_tasks
 from panokit.pipeline.judging import judge_run, keep_run
@@ -42,15 +43,14 @@ def run_pipeline(
         retry_rejected: Try items again that an earlier run rejected.
 
     Raises:
-        UsageError: If `stop_after` is not a stage of the pipeline, or another process runs it.
+        UsageError: If `stop_after` is not a stage of the pipeline, another process runs it, or a
+            folder that it reads is not there.
         MissingExtraError: If a stage needs a package that is not installed.
+        StorageError: If the run's folder or the library cannot be written.
         PanokitError: If the run cannot go on; what is done is kept.
     """
     stages = stages_up_to(settings, stop_after)
-    if set(stages) & set(MODEL_STAGES):
-        from panokit.pipeline.modelling import check_extras
-
-        check_extras(settings, stages)
+    check_beforehand(settings, stages)
     run = RunFolder(settings.folder()).create()
     with only_process(run.root, LOCK, "running a pipeline in"):
         return _run(settings, run, console, stages, retry_rejected=retry_rejected)

@@ -154,7 +154,8 @@ class PipelineSettings(Settings):
     """How items are worked on: "serial", "local", "dask", "slurm" or a scheduler's address."""
 
     workers: int | None = Field(default=None, ge=1)
-    """Workers of an engine that has them; one for each core if not given."""
+    """Workers of an engine that has them. If not given: one for each core, one job on Slurm, all
+    that a scheduler has."""
 
     cluster: ClusterSettings = ClusterSettings()
     """What engines of several machines need to know."""

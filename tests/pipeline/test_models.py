@@ -10,7 +10,7 @@ from panokit.envmap import EnvironmentMap
 from panokit.errors import MissingExtraError, UsageError
 from panokit.expand.settings import ExpandSettings
 from panokit.io import read_environment_map, write_environment_map
-from panokit.pipeline import modelling, run_pipeline
+from panokit.pipeline import beforehand, modelling, run_pipeline
 from panokit.pipeline.references import gather_references, references_folder
 from panokit.pipeline.settings import DatasetStage, EvaluateStage, ReferenceSettings
 from panokit.records import RunFolder
@@ -95,7 +95,7 @@ def test_what_one_arm_holds_out_the_other_may_not_learn_from(chain):
 
 
 def test_extras_are_missed_before_anything_is_fetched(chain, console, monkeypatch):
-    monkeypatch.setattr(modelling, "find_spec", lambda name: None if name == "torch" else True)
+    monkeypatch.setattr(beforehand, "find_spec", lambda name: None if name == "torch" else True)
     with pytest.raises(MissingExtraError, match=r"panokit\[train\]"):
         run_pipeline(chain, console)
     assert not chain.folder().exists()

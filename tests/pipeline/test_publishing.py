@@ -13,7 +13,7 @@ from panokit.dataset.storage.remote import RemoteDataset
 from panokit.errors import RecordError, StorageError, UsageError
 from panokit.io.remote import LIST
 from panokit.pipeline import run_pipeline
-from panokit.pipeline.publishing import publish, pull
+from panokit.pipeline.publishing import publish, published_names, pull
 from panokit.probes import Library
 from tests.dataset.fake import FakeMaker
 
@@ -84,6 +84,10 @@ def test_an_attempt_that_was_interrupted_is_gone_on_with(library, console, monke
 def test_samples_are_read_where_they_lie(place, tmp_path, console):
     render_dataset(FakeMaker(), tmp_path / "set", ProductionSettings(count=20, workers=0))
     publish(tmp_path / "set", place, console)
+    # The credits go with the samples, and all that the card shows.
+    assert {"README.md", "ATTRIBUTION.md", "ATTRIBUTION.csv", "sheet.jpg", "histograms.png"} <= set(
+        published_names(tmp_path / "set")
+    )
     near, far = StereoDataset(tmp_path / "set", "train"), RemoteDataset(place, "train")
     assert list(far.keys) == list(near.keys)
     again = pickle.loads(pickle.dumps(far))

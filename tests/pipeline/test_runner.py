@@ -11,7 +11,7 @@ import OpenEXR
 import pytest
 
 from panokit.engine import SerialEngine
-from panokit.errors import UsageError
+from panokit.errors import StorageError, UsageError
 from panokit.expand.settings import ExpandSettings
 from panokit.ledger import Ledger
 from panokit.pipeline import run_pipeline, runner
@@ -96,6 +96,27 @@ def test_stopping_early_and_going_on(settings, console):
     assert fresh(run_pipeline(settings, console))["stitch"] == 0
     with pytest.raises(UsageError, match="fetch, stitch"):
         run_pipeline(settings, console, stop_after="weave")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "kind", "text"),
+    [
+        ({"reference": Path("nowhere")}, UsageError, "no folder nowhere of maps to compare with"),
+        ({"library": Path("broken.jpg/library")}, StorageError, "broken.jpg is a file"),
+        ({"publish": "nosuch://x/y"}, UsageError, "nosuch"),
+    ],
+)
+def test_what_would_fail_in_the_end_is_told_before_anything_is_fetched(
+    wrong, kind, text, settings, pictures, console
+):
+    if "library" in wrong:
+        wrong = {"library": pictures / wrong["library"]}
+    asked = settings.model_copy(update=wrong)
+    with pytest.raises(kind, match=text):
+        run_pipeline(asked, console)
+    assert not asked.folder().exists()
+    # What comes before needs none of it.
+    assert len(run_pipeline(asked, console, stop_after="fetch").batches) == 1
 
 
 def test_rejections_are_remembered_until_asked_to_forget(settings, console, pictures):

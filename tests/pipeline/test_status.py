@@ -146,6 +146,19 @@ def test_a_plan_starts_nothing_and_counts_requests_money_and_days(settings):
     assert not asked.folder().exists()
 
 
+@pytest.mark.parametrize(
+    ("asked", "workers"),
+    [
+        ({"engine": "serial", "workers": 5}, 1),
+        ({"engine": "local", "workers": 5}, 5),
+        ({"engine": "slurm"}, 1),  # as many jobs as then are submitted
+        ({"engine": "tcp://far:8786"}, 1),  # not as many as this machine has cores
+    ],
+)
+def test_a_plan_is_for_the_workers_that_there_will_be(settings, asked, workers):
+    assert plan_pipeline(settings.model_copy(update=asked)).workers == workers
+
+
 def test_what_is_done_is_not_planned_again(finished):
     stages = {s.stage: s for s in plan_pipeline(finished).stages}
     # Nobody knows before how many pictures a folder has.

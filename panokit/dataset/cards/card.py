@@ -19,11 +19,14 @@ from panokit.dataset.storage.index import BYTES, member_names
 from panokit.dataset.storage.member_table import meaning_of
 from panokit.dataset.storage.read import StereoDataset
 from panokit.io.attribution import SHEET as CREDITS
+from panokit.io.attribution import TABLE as CREDITS_TABLE
 from panokit.io.attribution import write_attribution
 from panokit.io.files import write_bytes
 from panokit.io.images import encode_jpeg
 
 CARD, SHEET, HISTOGRAMS = "README.md", "sheet.jpg", "histograms.png"
+# What `write_card` writes: goes wherever the samples go.
+FILES = (CARD, SHEET, HISTOGRAMS, CREDITS, CREDITS_TABLE)
 _SHEET_ROWS = 8
 _PACKAGES = ("panokit", "numpy", "scipy", "opencv-contrib-python-headless", "OpenEXR", "mitsuba")
 

@@ -11,7 +11,7 @@ from distributed.security import Security
 
 from panokit.engine.dask.work import Work, kill_worker
 from panokit.engine.protocol import available_cores
-from panokit.engine.settings import ClusterSettings
+from panokit.engine.settings import SLURM_JOBS, ClusterSettings
 from panokit.errors import (
     NetworkError,
     PanokitError,
@@ -158,7 +158,7 @@ def open_cluster(name: str, workers: int | None, settings: ClusterSettings) -> C
 
     Args:
         name: "dask", "slurm" or a scheduler's address.
-        workers: How many.
+        workers: How many; see `DaskEngine`.
         settings: Of the cluster.
 
     Raises:
@@ -171,7 +171,7 @@ def open_cluster(name: str, workers: int | None, settings: ClusterSettings) -> C
     if name == "dask":
         return _open_local(workers or available_cores(), settings)
     if name == "slurm":
-        return _open_slurm(workers or 1, settings)
+        return _open_slurm(workers or SLURM_JOBS, settings)
     return _open_address(name, workers, settings)
 
 

@@ -20,8 +20,8 @@ class DaskEngine:
 
     Args:
         name: "dask", "slurm" or a scheduler's address.
-        workers: How many to start; of a scheduler's address, how many to use at once. One for
-            each core, or all there are, if not given.
+        workers: How many to start; of a scheduler's address, how many to use at once. If not
+            given: one for each core, one job on Slurm, all that a scheduler has.
         settings: Of the cluster.
         silence_s: A worker that neither ends its item nor reports for so long is killed; it may
             take as long as it likes if not given.
@@ -42,7 +42,7 @@ class DaskEngine:
     ) -> None:
         check_engine_name(name)
         if workers is not None and workers < 1:
-            raise UsageError("A cluster needs at least one worker.")
+            raise UsageError(f"{workers} workers do nothing. Give at least one.")
         # Dask tells of every worker that comes or goes; what matters of that, panokit says.
         for logger in ("distributed", "distributed.client"):
             logging.getLogger(logger).setLevel(logging.CRITICAL)

@@ -1,4 +1,8 @@
-"""What runs in a Dask worker: the plugin that holds the task, and the call for each item."""
+"""What runs in a Dask worker: the plugin that holds the task, and the call for each item.
+
+Of an item is told: "begun" with the address of the worker that has it, "report" with what the task
+reports, and "landed" with its end: ("outcome", what it returned) or ("error", what it raised).
+"""
 
 import os
 import pickle
@@ -16,10 +20,6 @@ from panokit.engine.protocol import reports_to
 from panokit.engine.turns import take_turns_by
 from panokit.engine.worker import kill_group, sendable, use_one_thread
 from panokit.errors import PanokitError, StorageError, UsageError
-
-# What is told of an item: the address of the worker that begins, reports of the task, and its end
-# as ("outcome", what it returned) or ("error", what it raised).
-TOLD = ("begun", "report", "landed")
 
 
 class Work(WorkerPlugin):
