@@ -49,8 +49,6 @@ class ExpandPlace:
         self.maps: dict[str, Expanded] = {}
         self.compared: set[str] = set()
         self._models = expanding.expansion_models()
-        if self.model not in self._models:
-            self.model = next(iter(self._models))
         words("h1", "Expand a panorama")
         words(
             "p",

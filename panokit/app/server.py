@@ -45,6 +45,7 @@ def build(settings: AppSettings, port: int) -> Application:
 
     Raises:
         MissingExtraError: If NiceGUI is not installed.
+        UsageError: If there is no such expansion method.
     """
     os.environ.setdefault("MATPLOTLIB", "false")  # NiceGUI would import it
     try:
@@ -55,6 +56,7 @@ def build(settings: AppSettings, port: int) -> Application:
     from panokit.app.routes import add_routes
     from panokit.app.shell import add_pages
 
+    _check_model(settings.model)
     desks, work = Desks(settings), Work()
     # Documentation pages of FastAPI would load scripts from elsewhere.
     api = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
@@ -84,7 +86,7 @@ def serve(settings: AppSettings, say: Callable[[str], None], *, show: bool = Tru
 
     Raises:
         MissingExtraError: If NiceGUI is not installed.
-        UsageError: If no port is free.
+        UsageError: If no port is free, or there is no such expansion method.
     """
     listening = listen(settings.port)
     port = listening.getsockname()[1]
@@ -116,6 +118,15 @@ def serve(settings: AppSettings, say: Callable[[str], None], *, show: bool = Tru
         listening.close()
 
 
+def _check_model(model: str) -> None:
+    from panokit.app.expanding import expansion_models
+
+    there = expansion_models()
+    if model not in there:
+        told = ", ".join(there)
+        raise UsageError(f"There is no method {model!r} to expand with. Choose from: {told}.")
+
+
 def listen(port: int) -> socket.socket:
     """A socket on 127.0.0.1 at this port, or at the next that is free.
 
@@ -134,9 +145,8 @@ def listen(port: int) -> socket.socket:
                 continue
             raise StorageError(f"Nothing can listen on {HOST} here ({error.strerror}).") from error
         return listening
-    raise UsageError(
-        f"The ports {port} to {port + _PORTS_TRIED - 1} are all in use. Give another: --port N"
-    )
+    last = min(port + _PORTS_TRIED, 65536) - 1
+    raise UsageError(f"The ports {port} to {last} are all in use. Give another: --port N")
 
 
 def _announce(server: object, address: str, say: Callable[[str], None], show: bool) -> None:

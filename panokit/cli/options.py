@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
+from cyclopts.validators import Number
 
 from panokit.console import Console
 from panokit.errors import UsageError
@@ -15,7 +16,11 @@ Json = Annotated[
     bool,
     Parameter(name="--json", negative=(), show_default=False, help="Print the result as JSON."),
 ]
-Workers = Annotated[int, Parameter(help="Processes to share the work; each needs memory.")]
+Flag = Annotated[bool, Parameter(negative=())]
+Workers = Annotated[
+    int,
+    Parameter(help="Processes to share the work; each needs memory.", validator=Number(gte=1)),
+]
 
 
 def finish(console: Console, results: Sequence["BatchResult"]) -> int:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from panokit.cli.options import Json
+from panokit.cli.options import Flag, Json
 from panokit.console import Console
 from panokit.qa.settings import QaSettings
 
@@ -25,7 +25,7 @@ def qa(
     reference: Path | None = None,
     truth: Path | None = None,
     title: str = "Light probes",
-    pictures: bool = False,
+    pictures: Flag = False,
     settings: Annotated[QaSettings, Parameter(name="*")] = QaSettings(),
     json: Json = False,
 ) -> int:

@@ -6,15 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from panokit.cli.options import Json
+from panokit.cli.options import Flag, Json
 from panokit.console import Console, duration_text, size_text
 from panokit.errors import RejectionsError, UsageError
 
 if TYPE_CHECKING:
     from panokit.pipeline import PipelineSettings, RunResult
     from panokit.pipeline.orphans import Orphan
-
-_Flag = Annotated[bool, Parameter(negative=())]
 
 
 def run(  # noqa: PLR0913 (each is an option of the command)
@@ -26,11 +24,11 @@ def run(  # noqa: PLR0913 (each is an option of the command)
     engine: str | None = None,
     workers: int | None = None,
     stop_after: str | None = None,
-    retry_rejected: _Flag = False,
-    plan: _Flag = False,
-    status: _Flag = False,
-    orphans: _Flag = False,
-    clean: _Flag = False,
+    retry_rejected: Flag = False,
+    plan: Flag = False,
+    status: Flag = False,
+    orphans: Flag = False,
+    clean: Flag = False,
     json: Json = False,
 ) -> int:
     """Run a pipeline: a city list in, light probes and a report out, or models.

@@ -53,12 +53,12 @@ def stage_tasks(
     suffixes = (*LDR_SUFFIXES, *HDR_SUFFIXES) if stage == "inpaint" else LDR_SUFFIXES
     sources = stitch_sources(paths) if stage == "stitch" else pictures(paths, suffixes)
     if not sources:
-        wanted = (
-            "fetched captures or files of views"
-            if stage == "stitch"
-            else "JPEG, PNG, WebP or TIFF pictures"
-        )
-        raise UsageError(f"There are no {wanted} in {', '.join(map(str, paths))}.")
+        wanted = {
+            "stitch": "fetched captures or files of views",
+            "inpaint": "JPEG, PNG, WebP or TIFF pictures and no HDR maps",
+            "expand": "JPEG, PNG, WebP or TIFF pictures",
+        }[stage]
+        raise UsageError(f"There are no {wanted} in {', '.join(map(str, paths))}. Check the path.")
     tasks = [
         StageTask(
             stage=stage,

@@ -12,6 +12,7 @@ import pytest
 
 from panokit.app.server import listen
 from panokit.app.settings import HOST
+from panokit.cli.main import main
 
 nicegui = pytest.importorskip("nicegui", reason="needs the app extra")
 
@@ -128,6 +129,14 @@ def test_a_tab_that_is_not_there_takes_and_gives_nothing(server):
 
 def test_two_tabs_have_two_desks(server):
     assert token_of(fetch(server, "/expand")[1]) != token_of(fetch(server, "/expand")[1])
+
+
+def test_a_method_that_is_not_there_is_refused_at_the_start(capsys):
+    assert main(["app", "--no-show", "--port", "18770", "--model", "expand-99"]) == 2
+    assert (
+        "There is no method 'expand-99' to expand with. Choose from: expand-2"
+        in capsys.readouterr().err
+    )
 
 
 def test_the_next_port_is_taken_where_one_is_in_use():
