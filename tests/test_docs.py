@@ -51,6 +51,24 @@ def test_there_are_commands_and_examples():
     assert len(examples()) >= 2
 
 
+def test_the_index_leads_to_every_page():
+    docs = ROOT / "docs"
+    blocks = re.findall(r"^```{toctree}\n(.*?)^```", (docs / "index.md").read_text(), re.M | re.S)
+    patterns = [line for block in blocks for line in block.splitlines() if re.match(r"[a-z]", line)]
+    listed = {pattern: set(docs.glob(f"{pattern}.md")) for pattern in patterns}
+    assert [pattern for pattern, pages in listed.items() if not pages] == []
+    assert set().union(*listed.values()) == set(docs.rglob("*.md")) - {docs / "index.md"}
+
+
+LINK = re.compile(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_to_a_file_leads_somewhere(page):
+    wanted = sorted(set(LINK.findall(page.read_text(encoding="utf-8"))))
+    assert [link for link in wanted if not (page.parent / link).exists()] == []
+
+
 @pytest.mark.parametrize(("page", "line"), command_lines())
 def test_every_command_line_parses(page, line):
     tokens = shlex.split(re.sub(r"\[[^\]]*\]|\s+\|.*", "", line))[1:]
