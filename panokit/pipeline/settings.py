@@ -63,6 +63,9 @@ class AreaSettings(Settings):
     date_to: date | None = None
     """Only pictures taken on this day or earlier; else as in the table of fetch."""
 
+    licenses: tuple[str, ...] | None = None
+    """Only pictures under these licenses; else as in the table of fetch."""
+
 
 class QuotaSettings(Settings):
     """How much one start of the pipeline may spend; a later start goes on."""

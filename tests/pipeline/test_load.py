@@ -103,17 +103,19 @@ count = 3
 [[areas]]
 cities = ["Paris, FR", "Nice, FR"]
 date_from = 2021-05-01
+licenses = ["CC0-1.0"]
 
 [fetch]
 count = 7
 """
 
 
-def test_areas_have_counts_and_dates_of_their_own(tmp_path):
+def test_areas_have_counts_dates_and_licenses_of_their_own(tmp_path):
     lyon, others = load(tmp_path, AREAS).asks()
     assert (lyon.cities, lyon.count, lyon.date_from) == (("Lyon, FR",), 3, None)
     assert (others.cities, others.count) == (("Paris, FR", "Nice, FR"), 7)
     assert others.date_from == date(2021, 5, 1)
+    assert (lyon.licenses, others.licenses) == ((), ("CC0-1.0",))
     own, *_ = load(tmp_path, AREAS + 'cities = ["Brest, FR"]\n').asks()
     assert own.cities == ("Brest, FR",)
     assert load(tmp_path, AREAS, "areas.1.count=2").asks()[1].count == 2
