@@ -66,6 +66,31 @@ def test_a_second_run_does_nothing(settings, console):
     assert tree(second.run.root) == before
 
 
+_AGAIN = """
+import sys, time
+from pathlib import Path
+from panokit.console import Console
+from panokit.pipeline import PipelineSettings, run_pipeline
+settings = PipelineSettings.model_validate_json(Path(sys.argv[1]).read_text())
+assert run_pipeline(settings, Console(quiet=True)).nothing_to_do
+print(time.process_time())
+print(*[m for m in ("torch", "mitsuba", "matplotlib", "distributed", "jinja2") if m in sys.modules])
+"""
+
+
+def test_a_finished_run_does_nothing_in_a_moment(settings, console, tmp_path):
+    run_pipeline(settings, console)
+    path = tmp_path / "settings.json"
+    path.write_text(settings.model_dump_json())
+    done = subprocess.run(
+        [sys.executable, "-c", _AGAIN, str(path)], capture_output=True, text=True, check=True
+    )
+    cpu_s, heavy = done.stdout.split("\n")[:2]
+    assert heavy == ""
+    # The goal is 2 s, start of Python included; twice that for slow machines.
+    assert float(cpu_s) < 4
+
+
 def test_the_same_run_elsewhere_has_the_same_bytes(settings, console, tmp_path):
     run_pipeline(settings, console)
     other = settings.model_copy(update={"output": tmp_path / "other"})
