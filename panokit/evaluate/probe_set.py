@@ -4,8 +4,6 @@ With a manifest.csv the probes know their kind of scene, and which of them show 
 without one, every map of the folder stands for itself.
 """
 
-import csv
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,10 +11,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.errors import RecordError, StorageError, UsageError
+from panokit.errors import RecordError, UsageError
 from panokit.io import read_environment_map
-from panokit.io.files import read_bytes
+from panokit.io.files import sha256_of_file
 from panokit.io.pictures import HDR_SUFFIXES
+from panokit.io.probe_manifest import NAME, read_manifest
 from panokit.records import require_folder
 from panokit.sphere import resize_radiance
 
@@ -34,7 +33,7 @@ class ListedProbe:
         path: Of the map.
         category: The kind of scene, without its "+urban" mark.
         group: Probes of one group show one place; they stay on one side of every split.
-        sha256: Of the file, as the manifest says.
+        sha256: Of the file, as the manifest says where it does.
     """
 
     name: str
@@ -52,33 +51,31 @@ class ListedProbe:
 def read_probes(folder: Path, usable_for: str = "training") -> list[ListedProbe]:
     """The probes of `folder`/manifest.csv whose `usable_for` begins so, by name.
 
+    What the manifest leaves out is as without one, see `panokit.io.probe_manifest.ManifestRow`;
+    a digest that it does not have is that of the file.
+
     Raises:
-        StorageError: If there is no manifest.
-        RecordError: If a column is missing or no probe is usable.
+        StorageError: If there is no manifest, or a map that it names cannot be read.
+        RecordError: If it is damaged (`reason` "bad-manifest"), or no probe is usable
+            ("no-probes").
     """
-    manifest = folder / "manifest.csv"
-    try:
-        with manifest.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-    except OSError as error:
-        raise StorageError(f"Cannot read {manifest}: {error.strerror}.") from error
-    try:
-        probes = [
-            ListedProbe(
-                name=row["name"],
-                path=folder / row["file"],
-                category=row["category"].split("+")[0],
-                group=row["split_group"],
-                sha256=row["sha256"],
-            )
-            for row in rows
-            if row["usable_for"].startswith(usable_for)
-        ]
-    except KeyError as error:
-        raise RecordError(f"{manifest} has no column {error}.", reason="bad-manifest") from error
+    probes = [
+        ListedProbe(
+            name=row.name,
+            path=row.path,
+            category=row.category or UNSORTED,
+            group=row.group,
+            sha256=row.sha256 or sha256_of_file(row.path),
+        )
+        for row in read_manifest(folder)
+        if row.usable_for.startswith(usable_for)
+    ]
     if not probes:
-        raise RecordError(f"{manifest} lists no probe for {usable_for}.", reason="no-probes")
-    return sorted(probes, key=lambda probe: probe.name)
+        raise RecordError(
+            f"{folder / NAME} lists no probe for {usable_for}. Say so in its column usable_for.",
+            reason="no-probes",
+        )
+    return probes
 
 
 def find_probes(folder: Path) -> list[ListedProbe]:
@@ -89,7 +86,7 @@ def find_probes(folder: Path) -> list[ListedProbe]:
         RecordError: If its manifest is damaged.
         UsageError: If there is no map in it.
     """
-    if (folder / "manifest.csv").is_file():
+    if (folder / NAME).is_file():
         return read_probes(folder)
     maps = sorted(path for path in require_folder(folder).iterdir() if _is_map(path))
     if not maps:
@@ -102,7 +99,7 @@ def find_probes(folder: Path) -> list[ListedProbe]:
             path=path,
             category=UNSORTED,
             group=path.stem,
-            sha256=hashlib.sha256(read_bytes(path)).hexdigest(),
+            sha256=sha256_of_file(path),
         )
         for path in maps
     ]
