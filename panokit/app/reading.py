@@ -19,7 +19,7 @@ from panokit.app.insertion import insert_balls
 from panokit.errors import ModelError, UsageError
 from panokit.io import encode_jpeg, read_json
 from panokit.lighting.estimate import LightEstimate
-from panokit.lighting.model import TASK, LightingModel
+from panokit.lighting.model import LightingModel
 from panokit.lighting.outputs import RECORD
 from panokit.lighting.pair import FoundPair, pair_of
 from panokit.lighting.select import Selection, box_of, flood, selection_from_mask
@@ -28,6 +28,7 @@ from panokit.lighting.settings import OutputSettings, SelectSettings, SessionSet
 from panokit.lighting.snapshots import Snapshot, StereoPair, stereo_pair
 from panokit.lighting.track import TrackedFrame
 from panokit.lighting.video import Frames, open_frames, smaller
+from panokit.reflectance.light_network import TASK
 from panokit.report.entries import light_map
 from panokit.report.page import render_viewer
 from panokit.weights import released_models

@@ -10,13 +10,12 @@ from panokit.lighting.estimate import LightEstimate
 from panokit.lighting.settings import VERSION, EstimateSettings
 from panokit.provenance import Provenance, Step
 from panokit.reflectance.calibration import calibration_of
-from panokit.reflectance.light_network import LightNetwork
+from panokit.reflectance.light_network import TASK, LightNetwork
 from panokit.reflectance.mirroring import read_twice
 from panokit.stereo import Views
 from panokit.weights import ReleasedModel, find_model, read_model
 
-TASK = "lighting"
-KINDS = ("stereo", "dematerial")
+# Where radiance is likely off by a factor of five, users are told.
 _UNSURE = 0.2
 
 
@@ -52,7 +51,7 @@ class LightingModel:
                 "panokit models list"
             )
         self.network = LightNetwork(self.released.folder, threads=threads, device=device)
-        if self.network.kind not in KINDS:
+        if not self.network.predicts_light:
             raise ModelError(
                 f"Model {self.released.id!r} predicts reflectance, not light. See: panokit models "
                 "list"

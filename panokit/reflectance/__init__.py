@@ -6,6 +6,7 @@ materials  pixels of one material, by k-means
 normals    noise on normals; normals from depth
 stereo     depth and normals from two views, by block matching
 primitives normals of a rough shape that a user picks
+smaller    pictures and normals at the size that a network takes
 
 and networks that read light from two views, with what their answers are worth:
 

@@ -15,11 +15,15 @@ from numpy.typing import NDArray
 
 from panokit.errors import ModelError, UsageError
 from panokit.inference import DEFAULT_THREADS, Session
+from panokit.reflectance.smaller import smaller_normals, smaller_picture
 from panokit.reflectance.sparse import sparse_reflectance
 from panokit.stereo import Views
 
 TARGET_PX = 64
 INPUTS = frozenset({"left", "right", "background", "maps", "map"})
+TASK = "lighting"
+# Kinds that give light; the others give reflectance.
+LIGHT_KINDS = ("stereo", "dematerial")
 Map = NDArray[np.float32]
 # Takes normals (H, W, 3) and where there are any (H, W), and gives normals that are off.
 NormalNoise = Callable[[NDArray[np.float32], NDArray[np.bool_]], NDArray[np.float32]]
@@ -69,6 +73,11 @@ class LightNetwork:
         """Whether it looks at the right view at all."""
         return "right" in self.session.inputs
 
+    @property
+    def predicts_light(self) -> bool:
+        """Whether it gives a map of light, not of reflectance."""
+        return self.kind in LIGHT_KINDS
+
     def read(self, views: Views, noise: NormalNoise | None = None) -> Map:
         """The light: (64, 64, 3) linear radiance, anamorphic, in the left camera's frame.
 
@@ -79,7 +88,7 @@ class LightNetwork:
             noise: Spoils the normals, for models that were trained so.
 
         Raises:
-            UsageError: If the model needs normals and the views have none.
+            UsageError: If the views are not square, or have no normals where the model needs some.
             ModelError: If the model gives something else.
         """
         return self._run([self.inputs(views, noise)])[0]
@@ -105,7 +114,14 @@ class LightNetwork:
     def inputs(
         self, views: Views, noise: NormalNoise | None = None
     ) -> dict[str, NDArray[np.float32]]:
-        """What the network is given: each of its inputs with a batch of one."""
+        """What the network is given: each of its inputs with a batch of one.
+
+        Raises:
+            UsageError: If the views are not square, or have no normals where the model needs some.
+        """
+        height, width = views.mask.shape
+        if height != width:
+            raise UsageError(f"Networks read square views, not {width}x{height}. Crop them.")
         # A network from a picture to reflectance sees no background either.
         on_background = self.kind == "stereo" and self._views == "composited"
         make: dict[str, Callable[[], NDArray[np.float32]]] = {
@@ -118,15 +134,15 @@ class LightNetwork:
         return {name: make[name]() for name in self.session.inputs}
 
     def _picture(self, picture: NDArray[np.uint8]) -> NDArray[np.float32]:
-        small = self._small(picture)
+        small = smaller_picture(picture, self._size)
         return np.ascontiguousarray(small.transpose(2, 0, 1)[None] / np.float32(255))
 
     def _maps(self, views: Views, noise: NormalNoise | None) -> NDArray[np.float32]:
         """Sparse reflectance maps by normals and materials, as in training."""
-        picture = self._small(views.left_object) / np.float32(255)
+        picture = smaller_picture(views.left_object, self._size) / np.float32(255)
         size = (self._size, self._size)
         parts = np.asarray(cv2.resize(views.parts, size, interpolation=cv2.INTER_NEAREST))
-        normals = self._normals(views.normals)
+        normals = smaller_normals(views.normals, self._size)
         seen = (parts > 0) & (np.abs(normals).sum(axis=-1) > 0)
         if (parts > 0).any() and not seen.any():
             raise UsageError(
@@ -146,18 +162,3 @@ class LightNetwork:
             found = sparse_reflectance(picture, normals, mask)
             channels += [found.color.transpose(2, 0, 1), found.valid[None].astype(np.float32)]
         return np.concatenate(channels)[None]
-
-    def _small(self, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        size = (self._size, self._size)
-        if picture.shape[:2] == size:
-            return picture
-        return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
-
-    def _normals(self, normals: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Of larger pixels: means, made unit again."""
-        size = (self._size, self._size)
-        if normals.shape[:2] == size:
-            return normals
-        small = np.asarray(cv2.resize(normals, size, interpolation=cv2.INTER_AREA), np.float32)
-        length = np.linalg.norm(small, axis=-1, keepdims=True)
-        return np.where(length > 0.5, small / np.maximum(length, 1e-6), 0).astype(np.float32)

@@ -21,6 +21,7 @@ Map = NDArray[np.float32]
 _Number = TypeVar("_Number", bound=np.generic)
 # Below a thousandth of the pictures' white, twice as dark is no worse an answer.
 DARKEST = 1e-3
+# Standard deviation, in pixels of a 64x64 map.
 _BLUR_PX = 1.5
 _MIRROR = np.diag([-1.0, 1.0, 1.0])
 _TURNED = np.array([-1, 1, 1], np.float32)
@@ -56,7 +57,7 @@ def mirrored_views(views: Views, *, exchange: bool = True) -> Views:
 
 
 def mirrored_map(radiance: Map) -> Map:
-    """A map (H, W, C), W even, as a mirror between left and right shows it."""
+    """A map (H, W, C), forward at its center, as a mirror between left and right shows it."""
     return np.ascontiguousarray(radiance[:, ::-1])
 
 
@@ -77,7 +78,8 @@ def log_difference(one: Map, other: Map) -> NDArray[np.float32]:
     """
     logs = [np.log(np.maximum(radiance, DARKEST)) for radiance in (one, other)]
     apart = np.abs(logs[0] - logs[1]).mean(axis=-1).astype(np.float32)
-    margin = 6
+    # The map is closed in azimuth: as much of the other side as the blur reaches.
+    margin = int(4 * _BLUR_PX)
     wide = np.concatenate([apart[:, -margin:], apart, apart[:, :margin]], axis=1)
     blurred = cv2.GaussianBlur(wide, (0, 0), _BLUR_PX, borderType=cv2.BORDER_REPLICATE)
     return np.ascontiguousarray(blurred[:, margin:-margin])

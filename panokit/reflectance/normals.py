@@ -34,7 +34,12 @@ def add_noise(
 
     Returns:
         (H, W, 3) float32, zero where `mask` is false.
+
+    Raises:
+        UsageError: If `mean_deg` is not between 0 and 45, or the shapes do not fit.
     """
+    if normals.shape != (*mask.shape, 3):
+        raise UsageError(f"The mask of normals {normals.shape} is not {mask.shape}.")
     if not 0 <= mean_deg <= 45:
         raise UsageError(f"Normals can be off by 0 to 45 degrees on average, not {mean_deg}.")
     tilt = np.random.default_rng(seed).standard_normal((*mask.shape, 2))
@@ -75,11 +80,16 @@ def normals_from_depth(
     Returns:
         (H, W, 3) float32 in the camera's frame (+X right, +Y up, +Z toward the camera), zero
         where `mask` is false or too little of a window is on the object.
+
+    Raises:
+        UsageError: If the shapes do not fit, or the window or the focal length is not possible.
     """
     if depth.shape != mask.shape or depth.ndim != 2:
         raise UsageError(f"Depth and mask are (H, W) both, not {depth.shape} and {mask.shape}.")
     if window_px < 3 or window_px % 2 == 0:
         raise UsageError(f"A window is 3, 5, ... pixels wide, not {window_px}.")
+    if focal_px <= 0:
+        raise UsageError(f"A focal length is more than 0 pixels, not {focal_px}.")
     seen = mask & (depth > 0)
     inverse = np.where(seen, 1 / np.where(seen, depth, 1), 0)
     return _normals_of_inverse(inverse, seen, focal_px, center_px, window_px)
@@ -105,7 +115,8 @@ def _normals_of_inverse(
     share = mean(np.ones_like(inverse))
     count = np.maximum(share, 1e-12)
     mx, my, mi = (mean(v) / count for v in (x, y, inverse))
-    # Products are taken about the middle of the picture's range, where doubles suffice.
+    # Covariances as means of products less products of means: x and y are small about the view
+    # axis, so doubles lose nothing that matters.
     xx, yy, xy = (mean(a * b) / count for a, b in ((x, x), (y, y), (x, y)))
     xi, yi = mean(x * inverse) / count, mean(y * inverse) / count
     sxx, syy, sxy = xx - mx * mx, yy - my * my, xy - mx * my

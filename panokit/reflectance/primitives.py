@@ -77,7 +77,7 @@ def _box(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
     half = np.abs(axes[:2]).sum(axis=1)
     place = np.stack([x * half[0], y * half[1]], axis=-1)
     facing = [axes[:, n] * (1.0 if axes[2, n] > 0 else -1.0) for n in range(3)]
-    # On the face n . p = 1, so the depth of its plane is (1 - n_xy . p_xy) / n_z; of a convex
-    # body the nearest plane to meet is the one farthest back.
-    depth = np.stack([(1 - place @ n[:2]) / n[2] for n in facing], axis=-1)
-    return np.asarray(np.stack(facing)[depth.argmin(axis=-1)])
+    # On a face n . p = 1, so its plane is at z = (1 - n_xy . p_xy) / n_z, +Z toward the camera. A
+    # convex body lies behind all its planes: it is seen on the one that is farthest back.
+    height = np.stack([(1 - place @ n[:2]) / n[2] for n in facing], axis=-1)
+    return np.asarray(np.stack(facing)[height.argmin(axis=-1)])

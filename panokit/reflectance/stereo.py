@@ -12,6 +12,8 @@ from panokit.reflectance.normals import normals_from_depth
 
 _BLOCK_PX = 5
 _ENLARGED = 2
+# Numbers of disparities are multiples of this (OpenCV), which counts them in sixteenths, too.
+_STEP_PX, _PARTS = 16, 16
 
 
 def normals_from_stereo(
@@ -43,7 +45,7 @@ def normals_from_stereo(
         looks at the camera.
 
     Raises:
-        UsageError: If the shapes do not fit.
+        UsageError: See `depth_from_stereo`.
     """
     depth = depth_from_stereo(
         left, right, mask, focal_px=focal_px, baseline_m=baseline_m, nearest_m=nearest_m
@@ -66,26 +68,37 @@ def depth_from_stereo(
     """Depth along the view axis in meters, (H, W) float32; 0 off the mask and where unknown.
 
     Semi-global matching (Hirschmueller 2008) at twice the size, gaps filled from what lies
-    around them.
+    around them. In parallel views depth is focal length times baseline over disparity. The
+    arguments are those of `normals_from_stereo`.
+
+    Raises:
+        UsageError: If the shapes do not fit, the views are too small, or a length is not over 0.
     """
     if left.shape != right.shape or left.shape != (*mask.shape, 3):
         raise UsageError(
             f"Two views (H, W, 3) and a mask (H, W) go together, not {left.shape}, "
             f"{right.shape} and {mask.shape}."
         )
+    if min(focal_px, baseline_m, nearest_m) <= 0:
+        raise UsageError(
+            f"Focal length {focal_px}, baseline {baseline_m} and nearest depth {nearest_m} are all "
+            "more than 0."
+        )
     height, width = mask.shape
+    if width * _ENLARGED < 2 * _STEP_PX:
+        raise UsageError(f"Views of {width} pixels are too narrow to match; {_STEP_PX} are needed.")
     size = (width * _ENLARGED, height * _ENLARGED)
     pair = [cv2.resize(_gray(view), size, interpolation=cv2.INTER_CUBIC) for view in (left, right)]
     most = focal_px * baseline_m / nearest_m * _ENLARGED
-    steps = int(np.clip(np.ceil(most / 16), 1, size[0] // 16 - 1)) * 16
-    # Columns at the left edge have no match otherwise.
+    steps = int(np.clip(np.ceil(most / _STEP_PX), 1, size[0] // _STEP_PX - 1)) * _STEP_PX
+    # A column of the left view is matched with columns further left: so many are added there.
     padded = [cv2.copyMakeBorder(view, 0, 0, steps, 0, cv2.BORDER_REPLICATE) for view in pair]
     matcher = cv2.StereoSGBM.create(
         minDisparity=0, numDisparities=steps, blockSize=_BLOCK_PX,
         P1=2 * _BLOCK_PX**2, P2=32 * _BLOCK_PX**2, uniquenessRatio=5,
         mode=cv2.STEREO_SGBM_MODE_HH,
     )  # fmt: skip
-    found = matcher.compute(*padded)[:, steps:].astype(np.float32) / 16 / _ENLARGED
+    found = matcher.compute(*padded)[:, steps:].astype(np.float32) / _PARTS / _ENLARGED
     disparity = np.asarray(
         cv2.resize(found, (width, height), interpolation=cv2.INTER_NEAREST), np.float32
     )

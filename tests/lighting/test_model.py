@@ -1,9 +1,11 @@
 """Models in use: what comes out, how sure it is, and what is refused."""
 
+from dataclasses import fields, replace
+
 import numpy as np
 import pytest
 
-from panokit.errors import ModelError
+from panokit.errors import ModelError, UsageError
 from panokit.lighting import EstimateSettings, LightingModel
 from panokit.reflectance.calibration import Calibration, Curve
 from tests.lighting.fakes import box_views, write_model
@@ -58,6 +60,14 @@ def test_without_confidence_the_mirror_is_left_out(views, tmp_path, monkeypatch)
     model = LightingModel(write_model(tmp_path / "sum"), EstimateSettings(confidence=False))
     monkeypatch.setattr("panokit.lighting.model.read_twice", None)
     assert model.estimate(views).confidence is None
+
+
+def test_views_that_are_not_square_are_refused(views, tmp_path):
+    names = (field.name for field in fields(views))
+    arrays = {n: getattr(views, n) for n in names if isinstance(getattr(views, n), np.ndarray)}
+    wide = replace(views, **{name: array[:32] for name, array in arrays.items()})
+    with pytest.raises(UsageError, match=r"square views, not 64x32\. Crop"):
+        LightingModel(write_model(tmp_path / "sum")).estimate(wide)
 
 
 def test_what_to_mind_comes_with_the_estimate(tmp_path):

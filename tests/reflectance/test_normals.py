@@ -145,3 +145,12 @@ def test_bad_input_is_named():
         add_noise(np.ones((4, 4, 3)), mask, 60)
     with pytest.raises(UsageError, match="go together"):
         normals_from_stereo(np.ones((4, 4, 3)), np.ones((4, 3, 3)), mask, focal_px=1, baseline_m=1)
+    views = np.ones((4, 4, 3)), np.ones((4, 4, 3))
+    with pytest.raises(UsageError, match="too narrow"):
+        normals_from_stereo(*views, mask, focal_px=1, baseline_m=1)
+    with pytest.raises(UsageError, match="more than 0"):
+        normals_from_stereo(*views, mask, focal_px=1, baseline_m=-1)
+    with pytest.raises(UsageError, match="focal length"):
+        normals_from_depth(np.ones((4, 4)), mask, 0)
+    with pytest.raises(UsageError, match="mask of normals"):
+        add_noise(np.ones((4, 5, 3)), mask, 10)

@@ -10,15 +10,14 @@ from typing import Any
 
 from panokit.color.hdr_coding import HdrCoding
 from panokit.errors import ModelError, StorageError
+from panokit.reflectance.light_network import LIGHT_KINDS, TASK
 from panokit.weights import find_model
 
 CARD, TRAINING = "model.toml", "training.json"
-TASK = "lighting"
-LIGHT_KINDS = ("stereo", "dematerial")
 # Released suites call a model <experiment>-<size>-s<seed>.
 _NAME = re.compile(r"^(?P<experiment>.+?)(-(?P<size>pocket|two-core|full))?(-s(?P<seed>\d+))?$")
 _NOISE = re.compile(r"-noise-(\d+)")
-# What the recipes of noisy normals have, for models that do not say it.
+# What the suite's recipes of noisy normals have, for models whose tables do not say it.
 _SMOOTH_PX = 4.0
 
 
@@ -45,8 +44,7 @@ class ModelFacts:
         samples: That it learned from.
         steps: Of the training.
         epochs: Of the training.
-        hours: Of the training, by the wall clock.
-        cpu_hours: Of all processors together.
+        cpu_hours: Of the training, all processors together.
         parameters: Numbers that were learned.
         places: Where the light of its training samples is from.
         history: A record for each epoch.
@@ -70,7 +68,6 @@ class ModelFacts:
     samples: int | None
     steps: int | None
     epochs: int | None
-    hours: float | None
     cpu_hours: float | None
     parameters: int | None
     places: tuple[str, ...] | None
@@ -149,7 +146,8 @@ def read_facts(folder: Path) -> ModelFacts:
         name = str(card["id"])
         training = _training(folder)
         parts = _parts(name)
-        noise = spec.get("noise_deg", training.get("noise_deg", _noise_of(name)))
+        # Models released before their tables said it: the suite has it in their names.
+        noise = float(spec.get("noise_deg", _noise_of(name)))
         return ModelFacts(
             name=name,
             folder=folder,
@@ -162,15 +160,14 @@ def read_facts(folder: Path) -> ModelFacts:
             input_px=int(spec["input_px"]),
             views=str(spec["views"]),
             materials=int(spec.get("materials", 1)),
-            noise_deg=float(noise),
+            noise_deg=noise,
             smooth_px=float(spec.get("smooth_px", _SMOOTH_PX if noise else 0.0)),
             coding=HdrCoding.from_json(spec["coding"]) if "coding" in spec else HdrCoding(),
             converged=training.get("converged"),
             samples=training.get("samples"),
             steps=training.get("steps"),
             epochs=training.get("epochs"),
-            hours=training.get("hours"),
-            cpu_hours=_cpu_hours(training),
+            cpu_hours=training.get("cpu_hours"),
             parameters=training.get("parameters"),
             places=tuple(training["places"]) if "places" in training else None,
             history=tuple(training.get("history", ())),
@@ -198,9 +195,3 @@ def _parts(name: str) -> dict[str, Any]:
 def _noise_of(name: str) -> float:
     found = _NOISE.search(name)
     return float(found[1]) if found else 0.0
-
-
-def _cpu_hours(training: Mapping[str, Any]) -> float | None:
-    if "cpu_hours" in training:
-        return float(training["cpu_hours"])
-    return float(training["cpu_s"]) / 3600 if "cpu_s" in training else None

@@ -19,6 +19,7 @@ from panokit.dataset.storage.read import StereoDataset
 from panokit.errors import UsageError
 from panokit.io.files import read_json, storage_error, write_json
 from panokit.provenance import digest_of
+from panokit.reflectance.smaller import smaller_normals, smaller_picture, unit_normals
 
 PICTURES = ("left", "right", "left_object", "right_object", "background")
 MAPS = ("env64", "reflectance")
@@ -37,7 +38,9 @@ class Pack:
         places: (N,), where their light is from.
         arrays: "left", "right", "left_object", "right_object", "background": (N, S, S, 3) uint8;
             "env64", "reflectance": (N, 64, 64, 3) float32; "normal": (N, S, S, 3) float16;
-            "part": (N, S, S) uint8, the material's number plus one on the object.
+            "part": (N, S, S) uint8, the number of the material from 1 on the object, else 0.
+            Pictures are display-encoded, maps linear with 1.0 the white of the pictures; maps
+            and normals are in the left camera's frame.
         digest: Of where it was made from.
     """
 
@@ -56,7 +59,7 @@ def open_pack(dataset: Path, split: str, input_px: int, work: Path, limit: int =
     Args:
         dataset: The dataset's folder.
         split: "train", "validation" or "test".
-        input_px: To which pictures are made smaller.
+        input_px: Width and height to which pictures are made smaller.
         work: Where packs are kept.
         limit: At most so many samples, the first ones; all if 0.
 
@@ -83,7 +86,7 @@ def open_pack(dataset: Path, split: str, input_px: int, work: Path, limit: int =
 
 
 def _make(folder: Path, write: Callable[[Path], None]) -> None:
-    """Write a pack that is there at once, whole, for all who wait or write it too."""
+    """Write a pack aside and rename it: nobody, in any process, ever sees a part of it."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     unfinished = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
     try:
@@ -156,11 +159,13 @@ def _write(folder: Path, source: StereoDataset, count: int, size: int) -> None:
     keys, places = [], []
     for number in range(count):
         files = source[number]
+        _check_size(files["left"], size)
         for name in PICTURES:
-            arrays[name][number] = _smaller(files[name], size)
+            arrays[name][number] = smaller_picture(files[name], size)
         arrays["env64"][number] = files["env64"]
         arrays["reflectance"][number] = _reflectance(source, number)
-        arrays["normal"][number] = _normals(files["left_normal"], size)
+        # Half-precision normals of the dataset are unit to a thousandth only.
+        arrays["normal"][number] = unit_normals(smaller_normals(files["left_normal"], size))
         arrays["part"][number] = _parts(source, number, files["left_mask"], size)
         keys.append(files["key"])
         places.append(files["meta"]["probe"]["place"])
@@ -187,29 +192,18 @@ def _read(folder: Path) -> Pack:
     )
 
 
-def _smaller(picture: NDArray[np.uint8], size: int) -> NDArray[np.uint8]:
+def _check_size(picture: NDArray[np.uint8], size: int) -> None:
     if picture.shape[0] < size:
         raise UsageError(
-            f"The pictures are {picture.shape[0]} pixels wide, less than input_px = {size}."
+            f"The pictures are {picture.shape[0]} pixels wide, less than input_px = {size}. Render "
+            "larger ones (--rig.width-px), or choose a smaller size."
         )
-    if picture.shape[0] == size:
-        return picture
-    return np.asarray(cv2.resize(picture, (size, size), interpolation=cv2.INTER_AREA), np.uint8)
-
-
-def _normals(normals: NDArray[np.float32], size: int) -> NDArray[np.float32]:
-    """Normals at the centers of larger pixels: means, made unit again."""
-    if normals.shape[0] != size:
-        normals = np.asarray(
-            cv2.resize(normals, (size, size), interpolation=cv2.INTER_AREA), np.float32
-        )
-    length = np.linalg.norm(normals, axis=-1, keepdims=True)
-    return np.where(length > 0.5, normals / np.maximum(length, 1e-6), 0).astype(np.float32)
 
 
 def _parts(
     source: StereoDataset, number: int, mask: NDArray[np.uint8], size: int
 ) -> NDArray[np.uint8]:
+    """The number of the material from 1 on the object, 0 beside it, (size, size)."""
     part = (mask >= 128).astype(np.uint8)
     if "left_material.png" in source.names(number):
         part = part * np.maximum(source.decoded(number, "left_material.png"), 1)
