@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from panokit.color import luminance, srgb_decode_u8
 from panokit.stereo import Views
 
+# Of the picture.
 _LEAST_MASK = 0.02
+# Code values, and the most of the object that may have them.
 _BURNT, _MOST_BURNT = 250, 0.4
 _DARK, _MOST_DARK = 12, 0.8
-_LEAST_DISPARITY = 0.004
-_MOST_ROWS, _MOST_SCALE, _MOST_CHANGE = 0.04, 1.1, 1.3
+# Sideways and up or down, of the picture's width; of size and of brightness, as ratios.
+_LEAST_DISPARITY, _MOST_ROWS = 0.004, 0.04
+_MOST_SCALE, _MOST_CHANGE = 1.1, 1.3
 
 
 def view_warnings(views: Views) -> tuple[str, ...]:

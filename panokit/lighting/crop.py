@@ -14,10 +14,13 @@ from panokit.lighting.settings import SnapshotSettings
 from panokit.lighting.video import Picture
 from panokit.stereo import Views
 
+# Left free at the edges of the view, in parts of its width.
 _MARGIN = 0.02
 # Image axes (right, down, forward) from camera axes (right, up, back).
 _IMAGE_FROM_CAMERA = np.diag([1.0, -1.0, -1.0])
+# Around the object so much of the view is not believed to be background.
 _RIM = 0.02
+# Views are made up to so many times as large and then averaged down.
 _MOST_OVERSIZE = 3
 _SOFT_EDGE_PX = 0.5
 

@@ -14,14 +14,15 @@ from panokit.equirectangular import read_only
 from panokit.errors import UsageError
 from panokit.frames import Rotation
 from panokit.lighting.confidence import Confidence
-from panokit.lighting.estimate import LATLONG_PX, TARGET_PX, LightEstimate
+from panokit.lighting.estimate import TARGET_PX, LightEstimate
 from panokit.lighting.representations import latlong_radiance, square_radiance
 from panokit.lighting.settings import VERSION
 from panokit.provenance import Provenance, Step, digest_of
 from panokit.reflectance.mirroring import DARKEST
 from panokit.sphere import energy, rotate_radiance
 
-# Three times the usual spread counts as far: beyond it the weight falls (Huber 1964).
+# Farther from the median than so many times the usual spread, the weight of an estimate falls as
+# one over its distance (Huber 1964). Spreads are of logs: a tenth at least.
 _FAR, _LEAST_SPREAD = 1.5, 0.1
 _ROUNDS = 5
 # Without a confidence every estimate counts the same, as if off by a factor of two.
@@ -188,6 +189,6 @@ def _provenance(
         version=VERSION,
         settings_digest=digest_of([[turn.matrix.tolist() for turn in turns], list(gains)]),
         input_digests=tuple(one.provenance.digest for one in estimates),
-        values={"estimates": len(estimates), "latlong_px": LATLONG_PX // 2},
+        values={"estimates": len(estimates), "latlong_px": 2 * TARGET_PX},
     )
     return estimates[0].provenance.then(step)

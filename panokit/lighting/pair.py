@@ -19,6 +19,7 @@ from panokit.lighting.video import Frames, Picture, smaller
 _SAME_MASK = 0.6
 # With less of the motion that was asked for, the views say nothing of shape.
 _LEAST_OF_SHIFT = 0.5
+# Masks are fitted at this width of the frame.
 _FIT_PX = 640
 
 

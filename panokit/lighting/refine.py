@@ -12,7 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Mask = NDArray[np.bool_]
+# The window around the object is worked on at this size.
 _WORK_PX, _ITERATIONS = 200, 4
+# The window's rim that surely is background, in parts of its size; and over how many pixels colors
+# beside an outline are averaged.
 _EDGE, _AROUND = 0.04, (9, 9)
 _SEED = 20260101
 # It has found its size when another round changes less than this.
@@ -34,7 +37,10 @@ def grown(
         mask: (H, W) bool, not empty: what surely belongs to it, but for its rim.
         margin: How far around it is looked, in parts of its size.
         rounds: At most.
-        work_px: At which size it is done.
+        work_px: The longer side of the window around the mask, at which it is done.
+
+    Returns:
+        (H, W) bool; the mask itself where nothing is left of it.
     """
     area = float(mask.sum())
     for _ in range(rounds):

@@ -28,6 +28,7 @@ from panokit.lighting.video import Frames, Picture, smaller
 What = Literal["waiting", "kept", "read", "changed", "lost"]
 # Snapshots that a later frame may be paired with; each holds a frame.
 _KEPT = 6
+# Brightness is metered at this width; what is darker than a thousandth of white counts as that.
 _BRIGHTNESS_PX = 160
 _DARKEST = 1e-3
 

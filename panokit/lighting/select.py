@@ -18,16 +18,22 @@ from panokit.lighting.settings import SelectSettings
 from panokit.lighting.video import Picture, smaller
 
 Mask = NDArray[np.bool_]
+# Objects are searched at this width of the frame.
 _WORK_PX = 640
+# The clicked color is the median of so many pixels to either side.
 _SEED_RADIUS_PX = 2
+# How much a difference of lightness counts, and how far chroma is expected to follow it.
 _LIGHTNESS = 0.3
 _SHADE = (0.35, 1.8)
+# What is tried where no tolerance is set: from 4, each a fifth larger than the last.
 _TOLERANCES = tuple(float(t) for t in 4 * 1.22 ** np.arange(12))
 # A region that grows faster than this with tolerance has no edge there.
 _STEADY = 0.35
 _LEAST_PX = 60
 _MOST_HOLE = 0.02
+# Masks are compared at this size; one is clear that has so much of the clearest one's contrast.
 _TRIAL_PX, _CLEAR = 140, 0.65
+# What covers more of the frame, or of its rim, is the background.
 _MOST_SHARE, _MOST_RIM = 0.45, 0.3
 
 
@@ -102,7 +108,7 @@ def select_object(
         settings: How.
 
     Raises:
-        UsageError: If the click is beside the picture.
+        UsageError: If the picture is no RGB frame, or the click is beside it.
         ImageError: If what was clicked is the background, or too small (`reason` "background" or
             "too-small").
     """
@@ -119,13 +125,18 @@ def flood(
     """What `select_object` finds, also where it is no object: then `problem` says why.
 
     Raises:
-        UsageError: If the click is beside the picture.
+        UsageError: If the picture is no RGB frame, or the click is beside it.
     """
     settings = settings or SelectSettings()
+    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8 or not picture.size:
+        raise UsageError(
+            f"A frame is (H, W, 3) uint8 RGB, not {picture.shape} {picture.dtype}. Convert it."
+        )
     height, width = picture.shape[:2]
     if not (0 <= click[0] < width and 0 <= click[1] < height):
         raise UsageError(
-            f"The click at {click[0]:g},{click[1]:g} lies beside the frame of {width}x{height}."
+            f"The click at {click[0]:g},{click[1]:g} lies beside the frame of {width}x{height}. "
+            "Count its pixels from the upper left corner."
         )
     small, scale = smaller(picture, _WORK_PX)
     seed = (
@@ -286,6 +297,7 @@ def closed(region: Mask, close_px: int) -> Mask:
 
 
 def _problem(mask: Mask, smallest: float = _LEAST_PX) -> str:
+    """Why a mask is no object to read light from, with what to do; "" if it is one."""
     width = mask.shape[1]
     share = float(mask.mean())
     rim = np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]])

@@ -28,9 +28,14 @@ from panokit.lighting.settings import SnapshotSettings
 from panokit.lighting.video import Picture
 from panokit.stereo import Views
 
+# Of the shift that networks know.
 _LEAST_SHIFT, _MOST_SHIFT = 0.5, 2.0
+# Up or down in parts of the object's size, and of size as a ratio.
 _MOST_UP, _MOST_SCALE = 0.06, 1.12
-_TURNED, _CLEAR = 0.6, 0.05
+# A background that shares more of the object's motion was panned over.
+_TURNED = 0.6
+# Motion is looked for at this width, at corners of at least that quality (OpenCV's).
+_MOTION_PX, _CLEAR = 320, 0.05
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -106,11 +111,11 @@ def turned_share(left: Snapshot, right: Snapshot) -> float | None:
     Returns:
         The background's motion over the object's; None where it has too little detail to tell.
     """
-    scale = 320 / left.picture.shape[1]
+    scale = _MOTION_PX / left.picture.shape[1]
     grays, masks = [], []
     for one in (left, right):
         gray = cv2.cvtColor(one.picture, cv2.COLOR_RGB2GRAY)
-        size = (320, max(16, round(gray.shape[0] * scale)))
+        size = (_MOTION_PX, max(16, round(gray.shape[0] * scale)))
         grays.append(np.asarray(cv2.resize(gray, size, interpolation=cv2.INTER_AREA), np.uint8))
         mask = cv2.resize(one.selection.mask.astype(np.uint8), size)
         masks.append(cv2.dilate(mask, np.ones((15, 15), np.uint8)))

@@ -26,7 +26,9 @@ _SAME_BOX, _SAME_AREA = 0.7, 1.3
 _MOST_OF_IT = 0.6
 # Further than this off what was filled, the filter starts anew there.
 _DRIFT = 0.82
+# Of the box in the frame, less is lost; and frames that differ in brightness by more are evened.
 _INSIDE, _DIMMED = 0.7, 1.12
+# Of a histogram in LAB.
 _BINS = (8, 12, 12)
 _MAKERS: dict[str, Callable[[], Any]] = {
     "kcf": cv2.TrackerKCF_create,  # type: ignore[attr-defined]
@@ -108,7 +110,10 @@ class Follower:
     ) -> None:
         self.settings = settings or TrackSettings()
         if selection.mask.shape != picture.shape[:2]:
-            raise UsageError("The object was selected in a frame of another size.")
+            raise UsageError(
+                f"The object was selected in a frame of another size, {selection.mask.shape} and "
+                f"not {picture.shape[:2]}. Select it in a frame of this video."
+            )
         small, self._scale = smaller(picture, self.settings.width_px)
         size = (small.shape[1], small.shape[0])
         mask = cv2.resize(selection.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)

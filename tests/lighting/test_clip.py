@@ -7,7 +7,6 @@ import cv2
 import numpy as np
 import pytest
 
-from panokit.errors import ModelError
 from panokit.evaluate.lighting.background import BackgroundExtrapolation
 from panokit.frames import angle_between
 from panokit.io import read_exr
@@ -83,10 +82,7 @@ def test_the_truth_is_that_of_this_clip():
 
 
 def test_a_model_comes_nearer_to_the_truth_than_what_needs_none(pair, capsys):
-    try:
-        model = LightingModel(SessionSettings().model)
-    except ModelError:
-        pytest.skip("the model is not released yet")
+    model = LightingModel(SessionSettings().model)
     truth, _ = read_exr(TRUTH)
     _, fused = read_light([pair], model)
     sample = SimpleNamespace(views=pair.views)

@@ -90,6 +90,15 @@ def test_a_click_beside_the_frame_is_refused(click):
         select_object(frame(), click)
 
 
+@pytest.mark.parametrize(
+    "picture",
+    [np.zeros((9, 9), np.uint8), np.zeros((9, 9, 4), np.uint8), np.zeros((9, 9, 3), np.float32)],
+)
+def test_what_is_no_rgb_frame_is_refused(picture):
+    with pytest.raises(UsageError, match=r"\(H, W, 3\) uint8 RGB"):
+        flood(picture, (4, 4))
+
+
 def test_an_object_at_the_edge_is_known_to_be_cut_off():
     assert select_object(frame(x=10), (12, 90)).touches_edge
 
