@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A pipeline on a real Slurm of one node, with a job killed while it works: the result must be
-# that of a serial run, byte for byte.
+# A pipeline on a real Slurm of one node, with a job killed while it works, and once with its driver
+# as a job too (pipelines/cluster/driver.sbatch): results must be those of a serial run, byte for byte.
 #
 #   tests/slurm/run.sh [PANOKIT]       PANOKIT: the command, `panokit` if not given
 #
@@ -134,3 +134,12 @@ done
 diff "$work/serial/manifest.jsonl" "$work/slurm/manifest.jsonl"
 [ -n "$(ls "$work/slurm/probes")" ]
 echo "the same $(find "$work/slurm/probes" -name '*.exr' | wc -l) maps as the serial run, byte for byte"
+
+echo "the driver as a job, too, as far as stitch"
+venv=$(dirname "$(dirname "$(command -v "$panokit")")")
+PANOKIT_VENV=$venv WORKERS=1 sbatch --quiet --wait --output="$work/driver.txt" \
+    "$here/pipelines/cluster/driver.sbatch" "${demo[@]}" --out "$work/driver" --stop-after stitch \
+    --set cluster.memory_gb=2 --set cluster.slurm.interface=lo ||
+    { cat "$work/driver.txt"; exit 1; }
+diff -r "$work/serial/panoramas" "$work/driver/panoramas"
+echo "the same $(find "$work/driver/panoramas" -name '*.jpg' | wc -l) panoramas"
