@@ -4,11 +4,12 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from panokit.console import Console
 from panokit.engine import Engine, make_engine
-from panokit.errors import UsageError
+from panokit.errors import RecordError, UsageError
 from panokit.io.files import read_json, write_json
 from panokit.io.lock import only_process
 from panokit.ledger import Ledger
@@ -117,13 +118,21 @@ def _publish(
 ) -> None:
     """Publish what is new; a run that is finished and published hashes nothing again."""
     run, record = result.run, result.run.root / "published.json"
-    if result.nothing_to_do and record.exists() and read_json(record)["url"] == settings.publish:
+    if result.nothing_to_do and _published_at(record) == settings.publish:
         return
     from panokit.pipeline.publishing import publish_run
 
     sent = publish_run(run, run.root / settings.library, settings.publish, batches, console)
     write_json(record, {"url": settings.publish})
     console.note(f"publish: {sent} files sent to {settings.publish}")
+
+
+def _published_at(record: Path) -> str:
+    """Where the record says that a run was published; "" if it says nothing."""
+    try:
+        return str(read_json(record)["url"])
+    except (RecordError, KeyError, TypeError):
+        return ""
 
 
 def _log_models(run: RunFolder, stage: str, batch: BatchResult) -> None:

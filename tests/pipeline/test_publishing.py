@@ -1,6 +1,7 @@
 """What a run made, published to a place behind a URL and read from there."""
 
 import itertools
+import json
 import pickle
 
 import fsspec
@@ -108,6 +109,9 @@ def test_a_run_publishes_what_it_made_at_its_end(settings, console, tmp_path):
     assert pull(f"{place}/library", tmp_path / "copy", console) == 3 * probes
     with Library.open(tmp_path / "copy") as library:
         assert len(library) == probes
+    (result.run.root / "published.json").write_text("half of it")
+    assert run_pipeline(asked, console).nothing_to_do
+    assert json.loads((result.run.root / "published.json").read_text()) == {"url": place}
 
 
 def test_places_that_are_none(library, tmp_path, console):
