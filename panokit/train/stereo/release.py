@@ -16,7 +16,8 @@ from panokit.train.stereo.pack import REFLECTANCE_PX
 from panokit.train.stereo.recipe import LightingRecipe
 
 FILE = "lighting.onnx"
-# Radiance is the exponential of what the network computes, and so are its differences.
+# Of the largest value. The exponential that makes radiance of code enlarges rounding errors: ten
+# times what networks without one are allowed.
 PARITY = 1e-4
 _MEANINGS = {
     "left": "the left view, display-encoded in [0, 1]",
@@ -33,7 +34,7 @@ class Released(nn.Module):
 
     Args:
         network: Trained.
-        recipe: Of it.
+        recipe: By which it was trained.
     """
 
     def __init__(self, network: nn.Module, recipe: LightingRecipe) -> None:
@@ -44,7 +45,7 @@ class Released(nn.Module):
     def forward(
         self, first: Tensor, second: Tensor | None = None, third: Tensor | None = None
     ) -> Tensor:
-        """Inputs in the order of `inputs_of`, as many as there are, to (B, 3, 64, 64)."""
+        """Inputs in the order of `inputs_of`, as many as there are, to radiance (B, 3, 64, 64)."""
         pictures = [one for one in (first, second, third) if one is not None]
         code = self.network(*(2 * picture - 1 for picture in pictures))
         return decode(code, self.coding)
@@ -82,6 +83,13 @@ def release_lighting(recipe: LightingRecipe, network: nn.Module, folder: Path) -
     write_bytes(folder / "model.toml", _description(recipe, folder).encode())
 
 
+def _noise(recipe: LightingRecipe) -> list[str]:
+    """With which normals it is to be judged: as far off as those that it learned from."""
+    if recipe.normals.noise_deg == 0:
+        return []
+    return [f"noise_deg = {recipe.normals.noise_deg}", f"smooth_px = {recipe.normals.smooth_px}"]
+
+
 def _description(recipe: LightingRecipe, folder: Path) -> str:
     sha256 = hashlib.sha256((folder / FILE).read_bytes()).hexdigest()
     inputs = inputs_of(recipe)
@@ -99,6 +107,7 @@ def _description(recipe: LightingRecipe, folder: Path) -> str:
         f'views = "{views}"',
         f"materials = {recipe.materials}",
         f'coding = {{ brightest = {recipe.coding.brightest}, color = "{recipe.coding.color}" }}',
+        *_noise(recipe),
         "",
         "[files.lighting]",
         f'name = "{FILE}"',
