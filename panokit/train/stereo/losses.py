@@ -22,7 +22,9 @@ from panokit.train.stereo.recipe import LossRecipe
 # What the scenes are lit from: enough for shadows to have edges, small enough for one matrix.
 _ACROSS, _DOWN = 32, 16
 _SCENES = ("diffuse", "glossy-0.3", "plane")
+# So many pixels of each scene stand for all of them.
 _PIXELS = 200
+# Added to what is divided by or logged: a thousandth of the pictures' white.
 _FLOOR = 1e-3
 # Of SSIM, for values with a range of 2.
 _WINDOW, _C1, _C2 = 7, (0.01 * 2) ** 2, (0.03 * 2) ** 2
@@ -70,7 +72,17 @@ class MapLoss:
 
 
 def light_vector(radiance: Tensor) -> tuple[Tensor, Tensor]:
-    """The energy (B,) and the light vector (B, 3) of the mean of the channels."""
+    """The energy and the light vector of maps, their channels averaged.
+
+    As `panokit.sphere.energy` and `light_vector`, which take luminance and not the mean.
+
+    Args:
+        radiance: (B, 3, H, W), equirectangular, of any aspect.
+
+    Returns:
+        (B,) and (B, 3), in the maps' frame: sums of radiance, and of radiance times direction,
+        over the sphere.
+    """
     gray = radiance.mean(dim=1).flatten(1)
     weights, directions = (part.to(gray) for part in _geometry(*radiance.shape[-2:]))
     weighted = gray * weights
@@ -98,7 +110,12 @@ def _windows(values: Tensor) -> Tensor:
 
 
 def render_difference(guess: Tensor, truth: Tensor) -> Tensor:
-    """The mean difference of what the scenes look like, over how bright they are."""
+    """The mean |difference| of what the scenes look like, over how bright they are truly.
+
+    Args:
+        guess: (B, 3, 64, 64) linear radiance.
+        truth: As `guess`.
+    """
     seen, true = (_lit(one) for one in (guess, truth))
     return ((seen - true).abs().mean(dim=(1, 2)) / (true.mean(dim=(1, 2)) + _FLOOR)).mean()
 
