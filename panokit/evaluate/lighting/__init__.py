@@ -10,7 +10,20 @@ controls       the second view, the normals or the materials spoiled
 scoring        all figures of predictions
 published      the protocols of others on the same predictions
 run            results.jsonl: what is scored is not scored again
-evaluation     models and baselines on a dataset, and all that figures need
+kept           pictures and predictions of a few samples, for figures
 speed          latency, operations, memory
+dataset_facts  what a dataset holds
+evaluation     models and baselines on a dataset, and all that figures need
+terminal       a few figures, on 80 columns
+
+and from the evaluation's folder alone:
+
+outcome        entrants with their seeds, their scores and curves
+experiments    the suite's experiments by name
 verdicts       reproduced, not reproduced or undecided, from paired comparisons
+statements     what the thesis says, and how it came out
+tables         a table as text; score_tables, model_tables and comparison_tables make them
+figures        the figures, a module each
+pack           all figures and tables
+lighting_report the same as a page
 """

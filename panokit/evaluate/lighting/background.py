@@ -10,17 +10,19 @@ from panokit.sphere.blur import blur_radiance
 from panokit.sphere.perspective import perspective_pixel
 
 _WIDTH_PX = 128
-# The farther from the picture, the less of it holds: from a sharp edge to a blur of 30 degrees.
+# Sharpness of the blur beyond the picture, a spherical Gaussian of about 30 degrees: the farther
+# from its edge, the less of it holds.
 _KAPPA = 4.0
+# What is guessed behind the camera lies halfway between the mirror image and the mean.
 _FADE = 0.5
 
 
 class BackgroundExtrapolation:
     """What the camera sees in front; behind it the same, mirrored; the rest blurred.
 
-    The picture's edge columns and rows go on to the sides, above and below, ever more blurred,
-    and the half behind the camera is the mirror image of that in front: what may be had without
-    any learning.
+    The picture's edge columns and rows go on to the sides, above and below, blurred, and the half
+    behind the camera is the mirror image of that in front, halfway to the picture's mean: what may
+    be had without any learning.
     """
 
     name = "background, extended"
@@ -35,14 +37,12 @@ class BackgroundExtrapolation:
         height, width = radiance.shape[:2]
         # At right angles to the view nothing would be in front of the camera.
         facing[..., 2] = np.minimum(facing[..., 2], -1e-3)
-        column, row, _ = perspective_pixel(facing, width, height, sample.views.fov_deg)
-        inside = (column >= -0.5) & (column <= width - 0.5) & (row >= -0.5) & (row <= height - 0.5)
+        column, row, inside = perspective_pixel(facing, width, height, sample.views.fov_deg)
         seen = inside & (directions[..., 2] < 0)
         column = np.clip(np.rint(column), 0, width - 1).astype(int)
         row = np.clip(np.rint(row), 0, height - 1).astype(int)
         extended = radiance[row, column].astype(np.float32)
         blurred = blur_radiance(extended, _KAPPA)
-        # Mirrored light is a guess twice over: between it and the mean.
         mean = radiance.reshape(-1, 3).mean(axis=0)
         guess = np.where(directions[..., 2:] < 0, blurred, _FADE * blurred + (1 - _FADE) * mean)
         whole = np.where(seen[..., None], extended, guess).astype(np.float32)

@@ -15,9 +15,11 @@ from panokit.color import srgb_decode_u8
 from panokit.errors import UsageError
 from panokit.evaluate.lighting.sample import StereoSample
 from panokit.sphere.solid_angle import row_solid_angles
+from panokit.stereo import Views
 
 Maps = NDArray[np.float32]
 MOST_MAPS = 4000
+# Before logs: below a thousandth of the pictures' white nothing is seen of the light.
 _DARKEST = 1e-3
 
 
@@ -32,7 +34,9 @@ class TrainingMaps:
     def __init__(self, maps: Iterable[Maps], most: int = MOST_MAPS) -> None:
         every = list(maps)
         if not every:
-            raise UsageError("There are no training maps. Give the dataset's folder.")
+            raise UsageError(
+                'There are no training maps: the split "train" is empty. Render more samples.'
+            )
         step = max(1, -(-len(every) // most))
         self.maps = np.stack(every[::step])
         self.digest = hashlib.sha256(self.maps[:, ::4, ::4].tobytes()).hexdigest()[:16]
@@ -125,5 +129,10 @@ class AmbientColor:
 
     def predict(self, sample: StereoSample) -> Maps:
         """(64, 64, 3)."""
-        color = srgb_decode_u8(sample.views.left).reshape(-1, 3).mean(axis=0)
-        return np.broadcast_to(color.astype(np.float32), (64, 64, 3)).copy()
+        return ambient_map(sample.views)
+
+
+def ambient_map(views: Views) -> Maps:
+    """(64, 64, 3), in every direction the mean radiance of the left view."""
+    color = srgb_decode_u8(views.left).reshape(-1, 3).mean(axis=0)
+    return np.broadcast_to(color.astype(np.float32), (64, 64, 3)).copy()

@@ -7,7 +7,13 @@ from numpy.typing import NDArray
 
 from panokit.evaluate.lighting.experiments import FINAL
 from panokit.evaluate.lighting.outcome import Outcome
-from panokit.evaluate.lighting.published import ARRAY_PARTS, SPHERE_PARTS, SPHERES, name_of
+from panokit.evaluate.lighting.published import (
+    ARRAY_PARTS,
+    SPHERE_PARTS,
+    SPHERES,
+    VARIANTS,
+    name_of,
+)
 from panokit.evaluate.lighting.run import TO_MEMORY, TO_TRUTH
 from panokit.evaluate.lighting.score_tables import HEADINGS, marks
 from panokit.evaluate.lighting.scoring import DOMINANCE
@@ -120,7 +126,7 @@ def published(outcome: Outcome) -> list[TextTable]:
     """The three-sphere and nine-sphere protocols and light direction, in both variants."""
     ids = {"spheres": "three spheres", "array": "nine spheres on a plane"}
     tables = []
-    for variant in ("compat", "fixed"):
+    for variant in VARIANTS:
         said = "as published" if variant == "compat" else "corrected"
         columns = {f"{ball.replace('_', ' ')}: {part.replace('_', ' ')}":
                    name_of("spheres", ball, part, variant)

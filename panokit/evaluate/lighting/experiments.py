@@ -16,17 +16,15 @@ class Experiment:
         title: In figures.
         group: What it belongs to.
         thesis: Its number in the list of chapter 4.3 or section, "" for what is not there.
-        depth: "deep", three convolutions in a block; "shallow", one; "" elsewhere.
     """
 
     title: str
     group: Group
     thesis: str = ""
-    depth: str = ""
 
 
-def _stereo(title: str, thesis: str = "", depth: str = "shallow") -> Experiment:
-    return Experiment(title=title, group="stereo", thesis=thesis, depth=depth)
+def _stereo(title: str, thesis: str = "") -> Experiment:
+    return Experiment(title=title, group="stereo", thesis=thesis)
 
 
 def _maps(title: str, thesis: str = "3.2") -> Experiment:
@@ -39,9 +37,9 @@ def _reflectance(title: str) -> Experiment:
 
 EXPERIMENTS: Mapping[str, Experiment] = MappingProxyType(
     {
-        "concat-unshared-deep": _stereo("concat, unshared, deep", "STR-1", "deep"),
-        "concat-shared-deep": _stereo("concat, shared, deep", "STR-2", "deep"),
-        "dot-product-deep": _stereo("dot product, deep", "STR-3", "deep"),
+        "concat-unshared-deep": _stereo("concat, unshared, deep", "STR-1"),
+        "concat-shared-deep": _stereo("concat, shared, deep", "STR-2"),
+        "dot-product-deep": _stereo("dot product, deep", "STR-3"),
         "concat-shared": _stereo("concat, shared", "STR-2"),
         "dot-product": _stereo("dot product", "STR-3"),
         "copy-left": _stereo("dot product, left copied", "STR-2"),

@@ -13,16 +13,20 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from panokit.color import srgb_decode_u8
+from panokit.evaluate.lighting.baselines import ambient_map
 from panokit.evaluate.lighting.sample import StereoSample
 from panokit.metrics.transport.reflectance import lambertian, metal
 from panokit.sphere import equirect_directions
 from panokit.sphere.solid_angle import pixel_solid_angles
 
+# Directions that light may come from: blocks of 15 degrees.
 _ACROSS, _DOWN = 24, 12
 _MOST_PIXELS = 500
 # Light is only known up to what the surface absorbs: half of it, as most things do.
 _ALBEDO = 0.5
+# How much light counts against how well it explains the pixels (Tikhonov).
 _PRIOR = 0.03
+# Code values from here on are burnt out.
 _BURNT = 250
 _MATERIALS = {"matte": lambertian, "satin": metal(0.35), "glossy": metal(0.1)}
 
@@ -36,13 +40,12 @@ class ReflectanceInversion:
     def predict(self, sample: StereoSample) -> NDArray[np.float32]:
         """(64, 64, 3)."""
         views = sample.views
-        # Burnt-out pixels are as bright as that at least, so they tell the wrong thing here.
+        # A burnt-out pixel says "at least so bright", which least squares cannot take in.
         usable = views.mask & (np.abs(views.normals).sum(axis=-1) > 0)
         usable &= (views.left_object < _BURNT).all(axis=-1)
         rows, columns = np.nonzero(usable)
         if len(rows) < 10:
-            color = srgb_decode_u8(views.left).reshape(-1, 3).mean(axis=0)
-            return np.broadcast_to(color.astype(np.float32), (64, 64, 3)).copy()
+            return ambient_map(views)
         chosen = np.linspace(0, len(rows) - 1, min(_MOST_PIXELS, len(rows))).astype(int)
         normals = views.normals[rows[chosen], columns[chosen]].astype(np.float64)
         colors = srgb_decode_u8(views.left_object)[rows[chosen], columns[chosen]] / _ALBEDO

@@ -113,8 +113,8 @@ def report_page(pack: Pack) -> Page:
 
 def _with_sizes(pack: Pack, names: Iterable[str]) -> list[str]:
     """The figures of these ids that there are, and those of further sizes."""
-    sizes = {one.size for one in pack.outcome.entrants if one.size}
-    wanted = [f"{name}{size and f' {size}'}" for name in names for size in ("", *sorted(sizes))]
+    sizes = [size for size in pack.outcome.sizes if size]
+    wanted = [f"{name}{size and f' {size}'}" for name in names for size in ("", *sizes)]
     return [name for name in wanted if name in pack.figures]
 
 

@@ -151,6 +151,11 @@ class Outcome:
                  for (one, size), members in groups.items()]  # fmt: skip
         return sorted(found, key=lambda e: (e.is_baseline, e.size, order_of(e.experiment), e.name))
 
+    @cached_property
+    def sizes(self) -> list[str]:
+        """The sizes of what was trained, in order; "" is a size of its own."""
+        return sorted({one.size for one in self.entrants if not one.is_baseline})
+
     def _entrant(self, name: str, size: str, members: list[str], tell_size: bool) -> Entrant:
         model = self.models.get(members[0])
         about = experiment(name, model["kind"] if model else "")
@@ -242,14 +247,18 @@ class Outcome:
 
     def curves(self, entrant: Entrant, figure: str = "ssd") -> NDArray[np.float64]:
         """(seeds, epochs) of the validation; as long as the shortest training."""
+        found = list(self.curves_by_member(entrant, figure).values())
+        shortest = min((len(one) for one in found), default=0)
+        return np.array([one[:shortest] for one in found], np.float64).reshape(len(found), shortest)
+
+    def curves_by_member(self, entrant: Entrant, figure: str = "ssd") -> dict[str, list[float]]:
+        """The whole curve of each member that has one, in the order of the members."""
         lines: dict[str, list[tuple[int, float]]] = {}
         for line in self.history:
             if line["model"] in entrant.members and line.get(figure) is not None:
                 lines.setdefault(line["model"], []).append((line["epoch"], line[figure]))
-        found = [[value for _, value in sorted(lines[name])] for name in entrant.members
-                 if name in lines]  # fmt: skip
-        shortest = min((len(one) for one in found), default=0)
-        return np.array([one[:shortest] for one in found], np.float64).reshape(len(found), shortest)
+        return {name: [value for _, value in sorted(lines[name])]
+                for name in entrant.members if name in lines}  # fmt: skip
 
     def not_converged(self, entrant: Entrant) -> list[str]:
         """Members whose training had not converged."""

@@ -13,10 +13,11 @@ from panokit.evaluate.lighting.settings import Published
 from panokit.metrics.light_direction import light_direction_error_deg
 from panokit.metrics.relit import relit_three_spheres
 from panokit.metrics.sphere_array import array_errors
+from panokit.metrics.spheres import Variant
 from panokit.metrics.transport import transport
 from panokit.sphere import resize_radiance
 
-VARIANTS = ("compat", "fixed")
+VARIANTS: tuple[Variant, ...] = ("compat", "fixed")
 SPHERES = ("mirror", "matte_silver", "diffuse")
 SPHERE_PARTS = ("rmse", "si_rmse", "angular_deg", "normalized_rmse")
 ARRAY_PARTS = ("rmse", "si_rmse", "angular_deg", "psnr_db")
@@ -34,7 +35,7 @@ def published_scores(
     """
     guess, true = (resize_radiance(one, 64, 32) for one in (estimate, truth))
     scores: dict[str, float] = {}
-    for variant in ("compat", "fixed"):
+    for variant in VARIANTS:
         if "spheres" in wanted:
             for ball, errors in relit_three_spheres(guess, true, variant).items():
                 for part in SPHERE_PARTS:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.errors import StorageError, UsageError
+from panokit.errors import RecordError, UsageError
 from panokit.evaluate.lighting.baselines import TrainingMaps, log_distance
 from panokit.evaluate.lighting.controls import Control, controls_of
 from panokit.evaluate.lighting.kept import Kept
@@ -116,11 +116,12 @@ def evaluate_lighting(
 
     Raises:
         UsageError: If two predictors have one name.
-        StorageError: If the file cannot be written.
+        StorageError: If the file cannot be read or written.
+        RecordError: If a line of it is damaged.
     """
     names = [predictor.name for predictor in predictors]
     if len(set(names)) < len(names):
-        raise UsageError(f"Two predictors have one name: {', '.join(names)}.")
+        raise UsageError(f"Two predictors have one name: {', '.join(names)}. Rename one.")
     now = {predictor.name: predictor.digest for predictor in predictors}
     results = [r for r in read_results(out) if now.get(r.predictor, r.digest) == r.digest]
     done = {result.what for result in results}
@@ -234,20 +235,31 @@ def _result(
 
 
 def read_results(out: Path) -> list[Result]:
-    """The lines of results.jsonl, in order; a last line that was cut off is left out."""
+    """The lines of results.jsonl, in order; a last line that was cut off is left out.
+
+    Raises:
+        StorageError: If the file cannot be read.
+        RecordError: If another line is damaged.
+    """
     path = out / RESULTS
     if not path.is_file():
         return []
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except OSError as error:
-        raise StorageError(f"Cannot read {path}: {error.strerror}.") from error
+        raise storage_error("read", path, error) from error
     results = []
-    for line in lines:
+    for number, line in enumerate(lines, start=1):
         try:
             results.append(Result.from_json(json.loads(line)))
-        except (json.JSONDecodeError, TypeError, KeyError, AttributeError):
-            continue
+        except (json.JSONDecodeError, TypeError, KeyError, AttributeError) as error:
+            if number == len(lines):
+                break
+            raise RecordError(
+                f"{path}, line {number} is damaged ({error!r}). Delete the line and run `panokit "
+                "evaluate` again: it scores what is missing.",
+                reason="damaged-record",
+            ) from error
     return results
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from panokit.dataset.storage.read import StereoDataset
 from panokit.errors import UsageError
 from panokit.frames import Rotation
-from panokit.stereo import Views as Views
+from panokit.stereo import Views
 
 MEMBERS = (
     "left.png", "right.png", "left_object.png", "right_object.png", "left_mask.png",
@@ -57,7 +57,6 @@ def sample_of(files: Mapping[str, Any]) -> StereoSample:
     meta = files["meta"]
     camera = meta["views"]["left"]
     world_from_camera = Rotation(np.array(camera["world_from_camera"]))
-    heading = world_from_camera.heading_pitch_roll()[0]
     mask = files["left_mask"] >= 128
     numbers = np.maximum(files.get("left_material", np.uint8(1)), 1)
     return StereoSample(
@@ -73,12 +72,18 @@ def sample_of(files: Mapping[str, Any]) -> StereoSample:
             parts=np.asarray(mask * numbers, np.uint8),
             fov_deg=camera["fov_deg"],
             baseline_m=meta["baseline_m"],
-            left_level=Rotation.from_heading_pitch_roll(heading).inverse @ world_from_camera,
+            left_level=level_from_camera(world_from_camera),
         ),
         truth=files["env64"],
         meta=meta,
         reflectance=files.get("reflectance", files.get("reflectance_1")),
     )
+
+
+def level_from_camera(world_from_camera: Rotation) -> Rotation:
+    """From a camera's frame to a level one that looks the same way: its pitch and roll alone."""
+    heading = world_from_camera.heading_pitch_roll()[0]
+    return Rotation.from_heading_pitch_roll(heading).inverse @ world_from_camera
 
 
 def open_samples(folder: Path, split: str = "test") -> StereoDataset:

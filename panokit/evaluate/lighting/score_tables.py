@@ -59,6 +59,12 @@ _LISTED_NAMES = {
     "STR-6": "own background branch", "STR-7": "similarity pyramid",
     "STR-8": "pyramid, multi-scale",
 }  # fmt: skip
+# Mark beside a name -> what it means.
+MARKS = {
+    "~": "some or all of its trainings had not converged, and count for no verdict",
+    "*": "trained on places of this test: proves nothing",
+    "?": "does not say what it was trained on",
+}
 BY_PLACE = "In parentheses 95 % intervals, by drawing places anew"
 
 
@@ -190,9 +196,4 @@ def marks(outcome: Outcome, entrant: Entrant) -> str:
 def marks_note(outcome: Outcome) -> str:
     """What the marks in use mean."""
     used = set("".join(marks(outcome, entrant) for entrant in outcome.entrants))
-    texts = {
-        "~": "~ some or all of its trainings had not converged, and count for no verdict.",
-        "*": "* trained on places of this test: proves nothing.",
-        "?": "? does not say what it was trained on.",
-    }
-    return " ".join(text for mark, text in texts.items() if mark in used)
+    return " ".join(f"{mark} {text}." for mark, text in MARKS.items() if mark in used)

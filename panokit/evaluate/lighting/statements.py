@@ -5,7 +5,7 @@ of a statement decides it; the others stand beside it. A training that had not c
 saw a place of the test, counts for no verdict, and fewer than three pairs of seeds decide nothing.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -97,7 +97,7 @@ STATEMENTS: tuple[Statement, ...] = (
     Statement(number="3.1", text="with true normals, sparse to dense beats end to end",
               first="dense-reflectance", second="picture-reflectance",
               primary="reflectance-code-ssd"),
-    Statement(number="", text="panoramas of this house help, beside reference probes",
+    Statement(number="", text="panoramas that panokit expanded help, beside reference probes",
               first="augmented-expanded", second="augmented-reference"),
     Statement(number="", text="expanded panoramas help more than linearized ones",
               first="augmented-expanded", second="augmented-linearized"),
@@ -171,7 +171,7 @@ def findings(outcome: Outcome, statements: Sequence[Statement] = STATEMENTS) -> 
     """How each statement came out, at each size where both experiments are there."""
     found: list[Finding] = []
     for statement in statements:
-        for size in sorted({e.size for e in outcome.entrants if not e.is_baseline}):
+        for size in outcome.sizes:
             first, second = (outcome.entrant(name, size)
                              for name in (statement.first, statement.second))  # fmt: skip
             if first is None or second is None:
@@ -243,13 +243,14 @@ def _epochs(
 ) -> Comparison | None:
     """Seed by seed: Student's t over differences, since one training is one number."""
     fast = {name: epochs_to_within(curve) for entrant in (first, second)
-            for name, curve in _curves(outcome, entrant).items()}  # fmt: skip
+            for name, curve in outcome.curves_by_member(entrant).items()}  # fmt: skip
     told = [(fast[a], fast[b]) for a, b in pairs if a in fast and b in fast]
     if not told:
         return None
     differences = np.array([a - b for a, b in told], np.float64)
     mean = float(differences.mean())
-    # Whole epochs: each count is off by up to a half, which adds a twelfth to its variance.
+    # Each count is rounded to a whole epoch, which adds a twelfth to its variance (that of an even
+    # spread over one epoch), and the difference of two counts has twice that.
     variance = (differences.var(ddof=1) if len(told) > 1 else np.inf) + 1 / 6
     error = float(np.sqrt(variance / len(told)))
     reach = float(stats.t.ppf(0.975, max(len(told) - 1, 1)) * error)
@@ -262,14 +263,6 @@ def _epochs(
     base = float(np.mean([b for _, b in told]))
     return Comparison(n=len(told), places=0, seeds=len(told), mean=mean, low=low, high=high,
                       relative=mean / base, verdict=verdict)  # fmt: skip
-
-
-def _curves(outcome: Outcome, entrant: Entrant) -> Mapping[str, Sequence[float]]:
-    lines: dict[str, list[tuple[int, float]]] = {}
-    for line in outcome.history:
-        if line["model"] in entrant.members:
-            lines.setdefault(line["model"], []).append((line["epoch"], line["ssd"]))
-    return {name: [value for _, value in sorted(points)] for name, points in lines.items()}
 
 
 Better = Literal["better", "worse", "unclear"]

@@ -8,6 +8,7 @@ import numpy as np
 from panokit.evaluate.lighting.evaluation import Evaluation
 from panokit.evaluate.lighting.models import ModelFacts
 from panokit.evaluate.lighting.run import Result
+from panokit.evaluate.lighting.score_tables import MARKS
 
 _LIGHT = {
     "code-ssd": "SSD",
@@ -26,7 +27,13 @@ _NAME_WIDTH = 31
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TerminalTable:
-    """Rows of text with notes below."""
+    """Rows of text with notes below.
+
+    Attributes:
+        header: Of the columns.
+        rows: As many cells as there are columns.
+        notes: What the marks beside names mean.
+    """
 
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -73,13 +80,8 @@ def _table(
             *(f"{means[name][figure]:.3g}" for figure in columns),
             f"{1000 * seconds:.0f}",
         ))  # fmt: skip
-    notes = [
-        text for mark, text in (
-            ("~", "~ training had not converged"),
-            ("*", "* trained on places of this test: proves nothing"),
-            ("?", "? does not say what it was trained on"),
-        ) if mark in marks
-    ]  # fmt: skip
+    texts = MARKS | {"~": "training had not converged"}
+    notes = [f"{mark} {text}" for mark, text in texts.items() if mark in marks]
     return TerminalTable(
         header=(title, "n", *columns.values(), "ms"), rows=tuple(rows), notes=tuple(notes)
     )

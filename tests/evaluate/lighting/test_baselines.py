@@ -1,8 +1,11 @@
 """The baselines: complete maps, right way round, better than nothing where they should be."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from panokit.color import srgb_decode
 from panokit.errors import UsageError
 from panokit.evaluate.lighting.background import BackgroundExtrapolation
 from panokit.evaluate.lighting.baselines import (
@@ -61,6 +64,16 @@ def test_the_mean_map_lies_between_the_maps(training):
 def test_ambient_color_is_that_of_the_view(samples):
     found = AmbientColor().predict(samples[0])
     assert np.ptp(found, axis=(0, 1)).max() == 0
+    seen = srgb_decode(samples[0].views.left / np.float32(255))
+    np.testing.assert_allclose(found[0, 0], seen.mean(axis=(0, 1)), rtol=1e-4)
+
+
+def test_without_pixels_to_explain_the_ambient_color_is_the_guess(samples):
+    views = samples[0].views
+    unknown = replace(samples[0], views=replace(views, normals=np.zeros_like(views.normals)))
+    np.testing.assert_array_equal(
+        ReflectanceInversion().predict(unknown), AmbientColor().predict(unknown)
+    )
 
 
 def test_the_background_is_seen_where_it_is(samples):

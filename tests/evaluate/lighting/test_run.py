@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from panokit.errors import UsageError
+from panokit.errors import RecordError, UsageError
 from panokit.evaluate.lighting.baselines import (
     AmbientColor,
     MeanMap,
@@ -43,6 +43,17 @@ def test_a_run_goes_on_where_it_stopped(samples, tmp_path):
     assert len(results) == 6
     pairs = [(r.predictor, r.key) for r in read_results(tmp_path)]
     assert len(set(pairs)) == len(pairs) == 6
+
+
+def test_a_line_that_was_cut_off_is_scored_again_and_a_damaged_one_is_named(samples, tmp_path):
+    evaluate_lighting([AmbientColor()], samples[:2], tmp_path)
+    path = tmp_path / RESULTS
+    lines = path.read_text().splitlines()
+    path.write_text(f"{lines[0]}\n{lines[1][:40]}")
+    assert len(read_results(tmp_path)) == 1
+    path.write_text(f"{lines[0][:40]}\n{lines[1]}\n")
+    with pytest.raises(RecordError, match=r"line 1 is damaged.*Delete the line"):
+        read_results(tmp_path)
 
 
 def test_a_line_says_who_what_and_where(samples, tmp_path):

@@ -1,5 +1,7 @@
 """F5.1 to F5.6: validation error over epochs, with seeds as bands."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,7 +33,7 @@ def draw_curves(outcome: Outcome) -> list[FigureFile]:
     """The figures whose experiments are there, all with the same axes."""
     found: dict[str, list[tuple[str, NDArray[np.float64], bool]]] = {}
     for id_, names in CURVES.items():
-        for size in _sizes(outcome):
+        for size in outcome.sizes:
             series = []
             for name in names:
                 entrant = outcome.entrant(name, size)
@@ -39,7 +41,7 @@ def draw_curves(outcome: Outcome) -> list[FigureFile]:
                 if entrant is not None and curves.size:
                     series.append((entrant.title, curves, bool(outcome.not_converged(entrant))))
             if len(series) >= 2:
-                found[id_ if size == _sizes(outcome)[0] else f"{id_} {size}"] = series
+                found[id_ if size == outcome.sizes[0] else f"{id_} {size}"] = series
     if not found:
         return []
     every = [curves for series in found.values() for _, curves, _ in series]
@@ -50,10 +52,6 @@ def draw_curves(outcome: Outcome) -> list[FigureFile]:
     return [
         _drawn(id_, series, (0.97 * low, 1.05 * high), last) for id_, series in found.items()
     ]  # fmt: skip
-
-
-def _sizes(outcome: Outcome) -> list[str]:
-    return sorted({one.size for one in outcome.entrants if not one.is_baseline})
 
 
 def _drawn(
@@ -99,7 +97,7 @@ def _label(title: str, unfinished: bool) -> str:
     return f"{title} ~" if unfinished else title
 
 
-def _plain_ticks(axis: object, limits: tuple[float, float]) -> None:
+def _plain_ticks(axis: Any, limits: tuple[float, float]) -> None:
     """Plain numbers, as many as are read easily."""
     from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
@@ -107,6 +105,6 @@ def _plain_ticks(axis: object, limits: tuple[float, float]) -> None:
     for bases in ((1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.5, *range(4, 10))):
         steps = [base * 10.0**power for power in range(-3, 7) for base in bases]
         ticks = ticks if len(ticks) > 2 else [s for s in steps if limits[0] <= s <= limits[1]]
-    axis.yaxis.set_major_locator(FixedLocator(ticks))  # type: ignore[attr-defined]
-    axis.yaxis.set_minor_locator(NullLocator())  # type: ignore[attr-defined]
-    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))  # type: ignore[attr-defined]
+    axis.yaxis.set_major_locator(FixedLocator(ticks))
+    axis.yaxis.set_minor_locator(NullLocator())
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

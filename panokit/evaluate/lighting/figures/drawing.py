@@ -1,7 +1,6 @@
 """One panel as a file: a column wide, so that it suits a paper and a telephone alike."""
 
 import io
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -83,10 +82,3 @@ def finished(
             )
     return FigureFile(id=id_, title=title, caption=caption, png=png.getvalue(),
                       pdf=pdf.getvalue(), wide=wide)  # fmt: skip
-
-
-def lighter(limits: Sequence[float], share: float = 0.04) -> tuple[float, float]:
-    """Limits of an axis with a little room."""
-    low, high = min(limits), max(limits)
-    room = share * (high - low) or 0.5
-    return low - room, high + room

@@ -24,6 +24,7 @@ _GROUP_COLORS = {
     "stereo": COLORS[0], "panokit": COLORS[1], "reflectance map": COLORS[2],
     "augmented": COLORS[3], "baseline": COLORS[7], "reflectance": COLORS[4],
 }  # fmt: skip
+# The mean of its final model (Parker 2018, figure 5.9).
 _THESIS_DSSIM = 0.34
 _MOST_FEATURED = 4
 _BINS = 40
@@ -76,7 +77,9 @@ def _bars(outcome: Outcome, name: str, id_: str, title: str, thesis: float | Non
     axis.grid(axis="y", visible=False)
     if thesis is not None:
         axis.axvline(thesis, color=INK, lw=0.8, ls=":")
-        axis.text(thesis, len(entrants) - 0.35, " thesis 0.34", fontsize=6.5, color=INK, va="top")
+        axis.text(
+            thesis, len(entrants) - 0.35, f" thesis {thesis:.2f}", fontsize=6.5, color=INK, va="top"
+        )
     label(axis, title)
     told = "; the dotted line is the thesis's mean on other data" if thesis is not None else ""
     return finished(
