@@ -22,7 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from panokit.errors import ImageError, RecordError, UsageError
-from panokit.evaluate.real.scenes import MeasuredLight, Picture, RealScene, RealView
+from panokit.evaluate.real.scenes import (
+    MeasuredLight,
+    Picture,
+    RealScene,
+    RealView,
+    nearest_rotation,
+)
 from panokit.frames import TOOL_FROM_PANOKIT, Rotation
 from panokit.io import decode_image, read_radiance
 from panokit.io.files import read_bytes
@@ -53,7 +59,7 @@ def scenes_of(root: Path) -> Iterator[RealScene]:
 
 def _scene(folder: Path) -> RealScene:
     inputs = folder / "inputs"
-    env_from_world = Rotation(_rotation(_numbers(folder / "world_to_env.txt", (4, 4))[:3, :3]))
+    env_from_world = nearest_rotation(_numbers(folder / "world_to_env.txt", (4, 4))[:3, :3])
     # Their map's frame, by panokit's names of directions; there up is up, which it is not in the
     # world of their poses. So it is the world here.
     upright = TOOL_FROM_PANOKIT["blender"].inverse @ env_from_world
@@ -86,7 +92,7 @@ def _view(inputs: Path, path: Path, upright_from_world: Rotation) -> RealView | 
         return None
     values = _numbers(path, (8, 3))
     # R leads from the world to the camera.
-    world_from_camera = Rotation(_rotation(values[3:6])).inverse
+    world_from_camera = nearest_rotation(values[3:6]).inverse
     position = -world_from_camera.apply(values[6])
     return RealView(
         name=number,
@@ -129,9 +135,3 @@ def _numbers(path: Path, shape: tuple[int, ...]) -> NDArray[np.float64]:
             f"{path} does not hold {shape} numbers ({error}). Unpack the archive again.",
             reason="damaged-record",
         ) from error
-
-
-def _rotation(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The rotation nearest to a matrix that is one but for rounding and scale."""
-    u, _, v = np.linalg.svd(matrix)
-    return np.asarray(u @ v)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from panokit.color import srgb_encode_u8
 from panokit.dataset.photograph import metered_exposure
 from panokit.errors import ImageError, Rejection, UsageError
-from panokit.evaluate.lighting.sample import StereoSample
+from panokit.evaluate.lighting.sample import StereoSample, level_from_camera
 from panokit.evaluate.real.objects_with_lighting import scenes_of as objects_with_lighting
 from panokit.evaluate.real.pairs import RealPair, find_pairs
 from panokit.evaluate.real.rectify import Cutout, Rig, cut_out, rig_of
@@ -93,7 +93,7 @@ def sample_of_pair(
     light = scene.light_near(pair.left)
     background, told = _background(left, exposure)
     mask = left.coverage > 0.5
-    level = _level(rig.left) if scene.upright else Rotation.identity()
+    level = level_from_camera(rig.left) if scene.upright else Rotation.identity()
     baseline = float(np.linalg.norm(pair.right.position - pair.left.position))
     return StereoSample(
         key=f"{number:09d}",
@@ -149,11 +149,6 @@ def _background(left: Cutout, exposure: float) -> tuple[NDArray[np.uint8], str]:
 
 def _encoded(radiance: NDArray[np.float32], exposure: float) -> NDArray[np.uint8]:
     return srgb_encode_u8(np.maximum(radiance, 0) * np.float32(exposure))
-
-
-def _level(world_from_camera: Rotation) -> Rotation:
-    heading = world_from_camera.heading_pitch_roll()[0]
-    return Rotation.from_heading_pitch_roll(heading).inverse @ world_from_camera
 
 
 def _meta(

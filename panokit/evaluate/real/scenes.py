@@ -85,6 +85,15 @@ class RealScene:
         return min(self.lights, key=lambda light: (inverse @ light.world_from_map).angle)
 
 
+def nearest_rotation(matrix: NDArray[np.float64]) -> Rotation:
+    """The rotation nearest to a (3, 3) matrix that is one but for rounding and scale.
+
+    The orthogonal Procrustes problem (Schoenemann 1966).
+    """
+    u, _, v = np.linalg.svd(matrix)
+    return Rotation(np.asarray(u @ v))
+
+
 def look_together_at(views: Sequence[RealView]) -> NDArray[np.float64]:
     """The point nearest to where all cameras look, (3,): least squares of distances to rays.
 

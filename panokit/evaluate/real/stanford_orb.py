@@ -27,8 +27,8 @@ from panokit.evaluate.real.scenes import (
     RealScene,
     RealView,
     look_together_at,
+    nearest_rotation,
 )
-from panokit.frames import Rotation
 from panokit.io import decode_image, read_exr, read_json
 from panokit.io.exr_header import read_exr_parts
 from panokit.io.files import read_bytes
@@ -124,7 +124,7 @@ def _view(
         intrinsics=np.array([[focal, 0, width / 2], [0, focal, height / 2], [0, 0, 1]]),
         width_px=width,
         height_px=height,
-        world_from_camera=Rotation(_orthonormal(_WORLD_FROM_BLENDER @ pose[:3, :3])),
+        world_from_camera=nearest_rotation(_WORLD_FROM_BLENDER @ pose[:3, :3]),
         position=_WORLD_FROM_BLENDER @ pose[:3, 3],
         read=partial(_read_view, picture, folder / f"{split}_mask" / f"{name}.png"),
         read_normals=partial(_read_normals, normals)
@@ -172,9 +172,3 @@ def _read_normals(path: Path) -> Picture:
     if normals.ndim != 3 or normals.shape[2] != 3:
         raise ImageError(f"{path} is {normals.shape}, not (H, W, 3).", reason="wrong-shape")
     return np.nan_to_num(normals)
-
-
-def _orthonormal(matrix: np.ndarray) -> np.ndarray:
-    """The rotation nearest to a matrix that is one but for rounding and scale."""
-    u, _, v = np.linalg.svd(matrix)
-    return np.asarray(u @ v)

@@ -28,13 +28,17 @@ from panokit.sphere.equirect import equirect_pixel
 from panokit.stereo import Views
 
 Picture = NDArray[np.float32]
+# The map that is fitted: its columns, and its rows of nodes, the first and last on the poles.
 _ACROSS, _DOWN = 64, 32
 # As in the least squares: without knowing better, surfaces give back half of the light.
 _ALBEDO, _ROUGHNESS = 0.5, 0.4
 # What is at the limit of the picture may be any brighter.
 _BURNT = 250 / 255
+# Of Adam, in logs of light, and in color and roughness.
 _STEP, _MATERIAL_STEP = 0.08, 0.02
+# How much evenness, and the background that is seen, count beside the views.
 _SMOOTH, _BEHIND = 0.02, 2.0
+# Added to what relative errors are relative to: a twentieth of white.
 _FLOOR = 0.05
 
 
@@ -70,7 +74,7 @@ class DifferentiableRendering:
         self._width_px, self._rounds, self._samples = width_px, rounds, samples
 
     def predict(self, sample: StereoSample) -> Picture:
-        """(64, 64, 3).
+        """(64, 64, 3) linear radiance, anamorphic, in the left camera's frame, 1.0 white.
 
         Raises:
             ItemError: If the sample's object cannot be rebuilt.
@@ -89,7 +93,7 @@ class DifferentiableRendering:
 
 
 class _Fit:
-    """One sample on its way."""
+    """One sample: its scene, what was seen of it, and the light and surfaces found so far."""
 
     def __init__(
         self, views: Views, known: KnownGeometry, materials: tuple[Material, ...], width_px: int
@@ -127,7 +131,7 @@ class _Fit:
             )  # fmt: skip
         light = np.exp(self._log_light.value)
         folded = _folded(gradient_of(watched["light.data"]), light.shape)
-        gradient = folded * light + self._behind.gradient(light) + _roughness_of(light)
+        gradient = folded * light + self._behind.gradient(light) + _unevenness_gradient(light)
         self._log_light.move(gradient, step)
         if with_material:
             for index, surface in enumerate(self._surfaces):
@@ -164,7 +168,10 @@ class _Fit:
 
 
 class _Adam:
-    """A value on its way down; gradients of another size make steps of the same size."""
+    """A value that is made better by gradients (Kingma and Ba 2015, algorithm 1).
+
+    Steps do not depend on the size of the gradients, only on how steady they are.
+    """
 
     def __init__(self, value: NDArray[np.floating[Any]], step: float) -> None:
         self.value = np.asarray(value, np.float64)
@@ -209,7 +216,10 @@ class _Behind:
         self.level = np.maximum(start, 1e-3)
 
     def gradient(self, light: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of the relative squared error by the log of light; burnt-out texels may be brighter."""
+        """Of half the relative squared error, by the log of light; (32, 64, 3).
+
+        Burnt-out texels may be any brighter.
+        """
         away = light - self._mean
         away = np.where((self._mean > _BURNT) & (away > 0), 0, away)
         return np.asarray(_BEHIND * self._weight * away / (self._mean + _FLOOR) ** 2 * light)
@@ -224,7 +234,7 @@ def _target(picture: NDArray[np.uint8], width_px: int) -> Picture:
 
 
 def _error_gradient(picture: Picture, alpha: Picture, seen: Picture) -> Picture:
-    """Of the mean relative squared error over the object's pixels, by the picture."""
+    """Of half the mean relative squared error over the object's pixels, by the picture."""
     on = (alpha > 0.5) & (seen.max(axis=-1, keepdims=True) > 0)
     away = picture - seen
     away = np.where((seen > _BURNT) & (away > 0), 0, away)
@@ -245,8 +255,8 @@ def _folded(gradient: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np
     return folded
 
 
-def _roughness_of(light: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The gradient of how much logs of neighbors differ, by the logs."""
+def _unevenness_gradient(light: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of half the mean squared difference between logs of neighbors, by the logs."""
     logs = np.log(light)
     found = 4 * logs - np.roll(logs, 1, axis=1) - np.roll(logs, -1, axis=1)
     found[1:] -= logs[:-1]

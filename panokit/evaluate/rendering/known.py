@@ -108,6 +108,7 @@ def _material(record: Mapping[str, Any]) -> Material:
 
 
 def _view(name: str, record: Mapping[str, Any], width_px: int) -> View:
+    """The camera of a record, with pictures of another width."""
     scale = width_px / int(record["width_px"])
     shift = float(record["intrinsics_px"][0][2]) - int(record["width_px"]) / 2
     return View(
