@@ -8,8 +8,10 @@ from pathlib import Path
 
 from panokit.errors import MissingExtraError, StorageError, UsageError
 from panokit.io.files import storage_error
+from panokit.pipeline.fetching import recorded_captures
 from panokit.pipeline.references import references_folder
 from panokit.pipeline.settings import MODEL_STAGES, PipelineSettings
+from panokit.records import RunFolder
 
 # stage -> package, extra, what for
 _NEEDS: Mapping[str, tuple[str, str, str]] = {
@@ -28,7 +30,7 @@ def check_beforehand(settings: PipelineSettings, stages: Sequence[str]) -> None:
 
     Raises:
         MissingExtraError: If a package is not installed.
-        UsageError: If there is no folder of references that the pipeline names.
+        UsageError: If there is no folder of references that the pipeline names, or no Slurm.
         StorageError: If the library's folder cannot be written.
     """
     if set(stages) & set(MODEL_STAGES):
@@ -41,6 +43,11 @@ def check_beforehand(settings: PipelineSettings, stages: Sequence[str]) -> None:
     named = settings.references.folder
     if "references" in stages and named is not None and not named.is_dir():
         raise UsageError(f"There is no folder {named} of reference maps. Check references.folder.")
+    if settings.engine == "slurm" and recorded_captures(RunFolder(settings.folder())) is None:
+        # Half a second of imports; once all is fetched, the engine itself tells it at once.
+        from panokit.engine.dask.slurm import require_slurm
+
+        require_slurm()
     if "probes" in stages:
         _check_writable(settings.folder() / settings.library)
     if settings.publish and tuple(stages) == settings.stages():

@@ -215,3 +215,9 @@ def test_engines_by_name():
     assert make_engine("local", 3).workers == 3
     with pytest.raises(UsageError, match="choose serial, local, dask, slurm, or the address"):
         make_engine("ray")
+
+
+@pytest.mark.parametrize("name", ["local", "dask", "tcp://far:8786"])
+def test_no_workers_do_nothing(name):
+    with pytest.raises(UsageError, match="0 workers do nothing"):
+        make_engine(name, 0)

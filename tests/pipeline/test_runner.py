@@ -11,7 +11,7 @@ import OpenEXR
 import pytest
 
 from panokit.engine import SerialEngine
-from panokit.errors import StorageError, UsageError
+from panokit.errors import MissingExtraError, StorageError, UsageError
 from panokit.expand.settings import ExpandSettings
 from panokit.ledger import Ledger
 from panokit.pipeline import run_pipeline, runner
@@ -142,6 +142,16 @@ def test_what_would_fail_in_the_end_is_told_before_anything_is_fetched(
     assert not asked.folder().exists()
     # What comes before needs none of it.
     assert len(run_pipeline(asked, console, stop_after="fetch").batches) == 1
+
+
+def test_a_slurm_that_is_not_there_is_told_before_anything_is_fetched(
+    settings, console, monkeypatch
+):
+    monkeypatch.setitem(sys.modules, "dask_jobqueue", None)
+    asked = settings.model_copy(update={"engine": "slurm"})
+    with pytest.raises(MissingExtraError, match=r"panokit\[slurm\]"):
+        run_pipeline(asked, console)
+    assert not asked.folder().exists()
 
 
 def test_rejections_are_remembered_until_asked_to_forget(settings, console, pictures):

@@ -26,6 +26,25 @@ _ENVIRONMENT = (
 )
 
 
+def require_slurm() -> Any:
+    """The class of dask-jobqueue for Slurm, if jobs can be submitted from here.
+
+    Raises:
+        MissingExtraError: If dask-jobqueue is not installed.
+        UsageError: If there is no Slurm.
+    """
+    try:
+        from dask_jobqueue import SLURMCluster
+    except ImportError as error:
+        raise MissingExtraError("dask-jobqueue", "slurm", "The engine slurm") from error
+    if shutil.which("sbatch") is None:
+        raise UsageError(
+            "There is no Slurm here: no sbatch on the PATH. Run this on a login node of the "
+            "cluster, or with --engine local."
+        )
+    return SLURMCluster
+
+
 def start_slurm(workers: int, settings: ClusterSettings, security: Any) -> Any:
     """Submit jobs that become workers, and keep as many of them in the queue.
 
@@ -39,15 +58,7 @@ def start_slurm(workers: int, settings: ClusterSettings, security: Any) -> Any:
         UsageError: If there is no Slurm, or it refuses such jobs.
         StorageError: If the folder of logs cannot be written.
     """
-    try:
-        from dask_jobqueue import SLURMCluster
-    except ImportError as error:
-        raise MissingExtraError("dask-jobqueue", "slurm", "The engine slurm") from error
-    if shutil.which("sbatch") is None:
-        raise UsageError(
-            "There is no Slurm here: no sbatch on the PATH. Run this on a login node of the "
-            "cluster, or with --engine local."
-        )
+    kind = require_slurm()
     slurm = settings.slurm
     logs = slurm.logs.absolute()
     try:
@@ -57,7 +68,7 @@ def start_slurm(workers: int, settings: ClusterSettings, security: Any) -> Any:
     if security is None and slurm.secure:
         security = _own_security()
     memory_gb = settings.memory_gb or _MEMORY_GB
-    cluster = SLURMCluster(
+    cluster = kind(
         cores=1,
         processes=1,
         memory=f"{int(memory_gb * 1e9)} B",
