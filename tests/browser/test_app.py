@@ -13,31 +13,21 @@ import numpy as np
 import pytest
 
 from panokit.envmap import EnvironmentMap
-from panokit.errors import ModelError
 from panokit.io import encode_jpeg, encode_png, read_environment_map, read_exr
 from panokit.lighting import SessionSettings, light_from_video, open_frames
 from panokit.lighting.clip import CLIP_CLICK, clip_path
 from panokit.lighting.representations import square_radiance
 from panokit.probes import Library
 from panokit.reflectance.mirroring import direction_difference_deg
-from panokit.weights import find_model
-from tests.lighting.fakes import write_model
 
 pytest.importorskip("nicegui", reason="needs the app extra")
 
 # Generous: software WebGL and networks share a busy machine's cores.
 PATIENCE_MS = 120_000
 TRUTH = Path(__file__).parent.parent / "lighting" / "clip_truth.exr"
+# By how much the mean of all training maps is off on the clip; see docs/commands/lighting.md.
+MEAN_MAP_OFF_DEG = 63.0
 SIZES = {"desktop": (1280, 900), "phone": (390, 844)}
-
-
-@pytest.fixture(scope="module")
-def model(tmp_path_factory):
-    """The released model, or where there is none one that adds the two views up."""
-    try:
-        return str(find_model("lighting-1").folder)
-    except ModelError:
-        return str(write_model(tmp_path_factory.mktemp("model") / "sum"))
 
 
 @pytest.fixture(scope="module")
@@ -53,10 +43,10 @@ def library(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def address(model, library, tmp_path_factory):
+def address(library, tmp_path_factory):
     run = subprocess.Popen(
         [sys.executable, "-m", "panokit", "app", "--no-show", "--port", "18810",
-         "--lighting-model", model, "--library", str(library)],
+         "--library", str(library)],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         cwd=tmp_path_factory.mktemp("app"),
     )  # fmt: skip
@@ -136,7 +126,7 @@ def open_clip(page):
 
 
 @pytest.mark.parametrize("size", SIZES)
-def test_a_click_in_a_video_becomes_an_environment_map(visit, model, size, tmp_path):
+def test_a_click_in_a_video_becomes_an_environment_map(visit, size, tmp_path):
     page = visit("lighting", size)
     open_clip(page)
     click_in_frame(page, CLIP_CLICK.column, CLIP_CLICK.row)
@@ -155,10 +145,12 @@ def test_a_click_in_a_video_becomes_an_environment_map(visit, model, size, tmp_p
     assert np.isfinite(radiance).all()
     off = direction_difference_deg(square_radiance(radiance), read_exr(TRUTH)[0])
     print(f"light off by {off:.1f} degrees")
+    assert off < MEAN_MAP_OFF_DEG
     if size == "desktop":
         # The pages add nothing of their own to what the functions say.
-        settings = SessionSettings(model=model)
-        theirs = light_from_video(open_frames(clip_path()), [CLIP_CLICK], settings).estimate
+        theirs = light_from_video(
+            open_frames(clip_path()), [CLIP_CLICK], SessionSettings()
+        ).estimate
         assert direction_difference_deg(square_radiance(radiance), theirs.radiance) < 5
     for name, ending in (
         ("Download as Radiance HDR", ".hdr"), ("Download as Blender world", ".zip"),
@@ -287,6 +279,17 @@ def test_a_panorama_becomes_a_map(visit, size, tmp_path):
     with downloaded(page, "Download as EXR", tmp_path) as found:
         radiance = read_environment_map(found).radiance
     assert radiance.max() > 2
+
+
+def test_the_rest_answers_while_a_panorama_is_expanded(visit):
+    page = visit("expand")
+    press(page, "Take the sample instead")
+    page.locator(".step").wait_for()
+    page.get_by_role("link", name="Probe library").click()
+    page.get_by_text("2 probes", exact=True).wait_for()
+    assert page.locator("iframe").count() == 0  # the map is still being made
+    page.get_by_role("link", name="Expand a panorama").click()
+    wait_for_map(page)
 
 
 def test_a_square_picture_is_told(visit, tmp_path):

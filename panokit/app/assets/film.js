@@ -88,7 +88,6 @@ export default {
         if (this.wanted !== frame) return false;
         this.shown = source;
         this.frame = frame;
-        this.$emit("seen", frame);
         return true;
       } catch {
         if (this.wanted === frame) this.told = `Frame ${frame + 1} cannot be shown.`;
