@@ -19,15 +19,17 @@ from panokit.frames import Rotation
 from panokit.metrics.transport import Transport, transport
 from panokit.sphere import equirect_directions, resize_radiance, rotate_radiance, row_solid_angles
 
-# With how much of their light is shown: a white that the frame's own white did not burn is gray.
+# Scene of `panokit.metrics.transport` -> the share of its light that is shown: a white ball would
+# be burnt wherever the frame's own white is, so the diffuse one is gray.
 BALLS = {"principled-diffuse": 0.55, "mirror-silver": 1.0}
-_BALL_PX = 192
-_MAP_PX = 256
-_LIGHTS_PX = 48
-_SHADE_PX = 160
+# Widths: of a ball's picture, of the map that lights it, of the map that shadows are cast from,
+# of the picture of the shadows.
+_BALL_PX, _MAP_PX, _LIGHTS_PX, _SHADE_PX = 192, 256, 48, 160
 # Nothing stands nearer to its neighbor than this share of the balls' size.
 _GAP = 0.25
-_SOFT = 0.12
+# In radii of a ball: half the width of a shadow's edge, and how far away its shadow is looked for.
+_SOFT, _REACH = 0.12, 12.0
+# A ball's height, in parts of the frame's.
 _LARGEST, _SMALLEST = 0.34, 0.1
 
 
@@ -137,7 +139,7 @@ def _shade(
     if seen.any():
         distance = ground / falling[seen]
         points = rays[seen] * distance[:, None]
-        near = np.min([np.linalg.norm(points - ball, axis=1) for ball in balls], axis=0) < 12
+        near = np.min([np.linalg.norm(points - ball, axis=1) for ball in balls], axis=0) < _REACH
         share[np.flatnonzero(seen)[near]] = _kept(points[near], balls, radiance, up)
     small = share.reshape(small_height, small_width).astype(np.float32)
     return np.asarray(cv2.resize(small, frame, interpolation=cv2.INTER_LINEAR), np.float32)
@@ -149,6 +151,7 @@ def _kept(
     radiance: NDArray[np.float32],
     up: NDArray[np.float64],
 ) -> NDArray[np.float64]:
+    """What share of its light each point (N, 3) of the ground keeps, (N,); balls have radius 1."""
     height = _LIGHTS_PX // 2
     light = luminance(resize_radiance(radiance, _LIGHTS_PX)).reshape(-1).astype(np.float64)
     toward = equirect_directions(_LIGHTS_PX, height).reshape(-1, 3)
@@ -178,20 +181,18 @@ def _lay(
     center: tuple[float, float],
     size: float,
 ) -> None:
-    """Lay a picture of a ball over a part of another, in place."""
+    """Lay a picture of a ball over a part of another, in place; center and size in its pixels."""
     scale = size / ball.shape[0]
     shift = np.array(
         [[scale, 0, center[0] - size / 2], [0, scale, center[1] - size / 2]], np.float64
     )
     frame = (linear.shape[1], linear.shape[0])
+    both = np.dstack([ball * alpha[..., None], alpha])
     # A smaller picture is averaged first: warping alone would skip pixels.
     if scale < 1:
         side = max(4, round(size))
-        both = np.dstack([ball * alpha[..., None], alpha])
         both = cv2.resize(both, (side, side), interpolation=cv2.INTER_AREA)
         shift[0, 0] = shift[1, 1] = size / side
-    else:
-        both = np.dstack([ball * alpha[..., None], alpha])
     laid = cv2.warpAffine(both.astype(np.float32), shift, frame, flags=cv2.INTER_LINEAR)
     cover = np.clip(laid[..., 3:], 0, 1)
     linear *= 1 - cover

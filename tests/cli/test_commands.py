@@ -73,11 +73,6 @@ def test_bad_pictures_are_named_and_the_good_one_is_done(folder, tmp_path, capsy
             "Choose from: expand-1, expand-2, srgb",
         ),
         (["expand", "{good}", "--out", "o", "--workers", "0"], 2, "for --workers. Must be >= 1"),
-        (
-            ["evaluate", "--no-baselines", "--data", "d", "--out", "o"],
-            2,
-            "take --no-baselines away",
-        ),
         (["qa", "nowhere", "--out", "o"], 2, "nowhere"),
         (["run", "nowhere.toml"], 4, "Check the path"),
         (["probes", "list", "nowhere"], 2, "no probe library in nowhere"),
