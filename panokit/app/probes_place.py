@@ -1,6 +1,7 @@
 """Probe library: a gallery with filters, one probe at a time, selections and exports."""
 
 from collections.abc import Awaitable, Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from nicegui import ui
@@ -25,6 +26,7 @@ from panokit.app.widgets import (
     words,
 )
 from panokit.app.work import Work
+from panokit.errors import PanokitError
 from panokit.probes.entry import Entry
 
 _MORE = 48
@@ -41,6 +43,8 @@ class ProbesPlace:
         self.desk, self.work = desk, work
         self.shelf = Shelf(library=settings.library)
         self._shown = _MORE
+        # Of which the filters are shown; another one may have been named while that one was opened.
+        self._opened: Path | None = None
         words("h1", "Probe library")
         words(
             "p",
@@ -75,23 +79,34 @@ class ProbesPlace:
     async def _begin(self) -> None:
         """Another library."""
         self.shelf.typed, self.shelf.selected, self.shelf.entries = {}, {}, ()
+        self._opened = None
         for place in (self._filters, self._gallery):
             place.clear()
         self.page.close()
         self.export.show()
         self._bar.set_visibility(False)
-        if self.shelf.library is None:
-            return
-        library = self.shelf.library
-        self.desk.pictures["preview"] = lambda id: browsing.preview(library, id)
+        if self.shelf.library is not None and not self._progress.busy:
+            await self._progress.run(self._show_library, "Opening the library")
 
-        async def work() -> None:
-            options = await self.work.in_thread(browsing.options_of, library)
-            with self._filters:
-                self._form(options)
-            await self._find()
-
-        await self._progress.run(work, "Opening the library")
+    async def _show_library(self) -> None:
+        """Open the library; another one, if that was named meanwhile."""
+        while (library := self.shelf.library) is not None:
+            try:
+                options = await self.work.in_thread(browsing.options_of, library)
+            except PanokitError:
+                # What was wrong with a folder that is not wanted any more is not told.
+                if library == self.shelf.library:
+                    raise
+                continue
+            if library == self.shelf.library:
+                self._opened = library
+                self.desk.pictures["preview"] = partial(browsing.preview, library)
+                self._filters.clear()
+                with self._filters:
+                    self._form(options)
+                await self._find()
+            if library == self.shelf.library:
+                return
 
     def _form(self, options: dict[str, list[str]]) -> None:
         def take(name: str) -> Callable[[str], Awaitable[None]]:
@@ -129,16 +144,16 @@ class ProbesPlace:
         if self._progress.busy:
             return
         await self._progress.run(self._find, "Looking")
+        if self._opened != self.shelf.library:
+            await self._progress.run(self._show_library, "Opening the library")
 
     async def _find(self) -> None:
-        if self.shelf.library is None:
-            return
         while True:
-            typed = dict(self.shelf.typed)
-            self.shelf.entries, total = await self.work.in_thread(
-                browsing.find, self.shelf.library, typed
-            )
-            if typed == self.shelf.typed:
+            library, typed = self.shelf.library, dict(self.shelf.typed)
+            if library is None:
+                return
+            self.shelf.entries, total = await self.work.in_thread(browsing.find, library, typed)
+            if (library, typed) == (self.shelf.library, self.shelf.typed):
                 break
         self._bar.set_visibility(True)
         shown = len(self.shelf.entries)

@@ -318,6 +318,20 @@ def test_the_library_is_filtered_looked_at_and_exported(visit, size, tmp_path):
     assert {"ATTRIBUTION.md", "hall.exr"} <= set(names)
 
 
+def test_of_two_libraries_named_in_a_row_the_last_is_shown(visit, library, tmp_path):
+    with Library.create(tmp_path / "empty"):
+        pass
+    page = visit("probes")
+    page.get_by_text("2 probes", exact=True).wait_for()
+    path = page.get_by_label("The library's folder on this machine")
+    for folder in (tmp_path / "nowhere", tmp_path / "empty", library, tmp_path / "empty"):
+        path.fill(str(folder))
+        path.press("Enter")
+    page.get_by_text("The library is empty").wait_for()
+    assert page.locator(".notice.fail").count() == 0
+    assert page.get_by_label("Category").count() == 1
+
+
 def test_two_tabs_do_not_disturb_each_other(visit):
     one, two = visit("lighting"), visit("lighting")
     for page in (one, two):
