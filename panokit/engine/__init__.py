@@ -10,6 +10,7 @@ protocol  `Engine`, `SerialEngine`, `attempt`, `report`
 local     `LocalEngine`: processes on this machine that are replaced when they die or hang
 worker    what runs in such a process
 losses    `Loss`, `Quarantine`: what becomes of an item whose worker was lost
+reach     whether a scheduler can be reached
 turns     waiting for one's turn among all workers, as to ask a host
 dask      `DaskEngine`: Dask processes here, Slurm jobs, or the workers of a scheduler
 make      `make_engine`: an engine by its name

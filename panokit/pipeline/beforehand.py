@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
+from panokit.engine.reach import knock
 from panokit.errors import MissingExtraError, StorageError, UsageError
 from panokit.io.files import storage_error
 from panokit.pipeline.fetching import recorded_captures
@@ -31,6 +32,7 @@ def check_beforehand(settings: PipelineSettings, stages: Sequence[str]) -> None:
     Raises:
         MissingExtraError: If a package is not installed.
         UsageError: If there is no folder of references that the pipeline names, or no Slurm.
+        NetworkError: If there is no scheduler.
         StorageError: If the library's folder cannot be written.
     """
     if set(stages) & set(MODEL_STAGES):
@@ -43,17 +45,24 @@ def check_beforehand(settings: PipelineSettings, stages: Sequence[str]) -> None:
     named = settings.references.folder
     if "references" in stages and named is not None and not named.is_dir():
         raise UsageError(f"There is no folder {named} of reference maps. Check references.folder.")
-    if settings.engine == "slurm" and recorded_captures(RunFolder(settings.folder())) is None:
-        # Half a second of imports; once all is fetched, the engine itself tells it at once.
-        from panokit.engine.dask.slurm import require_slurm
-
-        require_slurm()
+    if recorded_captures(RunFolder(settings.folder())) is None:
+        # Once all is fetched, the engine itself tells it at once.
+        _check_engine(settings)
     if "probes" in stages:
         _check_writable(settings.folder() / settings.library)
     if settings.publish and tuple(stages) == settings.stages():
         from panokit.io.remote import open_remote  # fsspec
 
         open_remote(settings.publish)
+
+
+def _check_engine(settings: PipelineSettings) -> None:
+    if settings.engine == "slurm":
+        from panokit.engine.dask.slurm import require_slurm  # half a second of imports
+
+        require_slurm()
+    elif settings.engine.startswith(("tcp://", "tls://")):
+        knock(settings.engine, settings.cluster.connect_timeout_s)
 
 
 def nearest_there(path: Path) -> Path:

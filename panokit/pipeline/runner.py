@@ -47,6 +47,7 @@ def run_pipeline(
         UsageError: If `stop_after` is not a stage of the pipeline, another process runs it, or a
             folder that it reads is not there.
         MissingExtraError: If a stage needs a package that is not installed.
+        NetworkError: If there is no scheduler.
         StorageError: If the run's folder or the library cannot be written.
         PanokitError: If the run cannot go on; what is done is kept.
     """

@@ -10,8 +10,8 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from panokit.engine import SerialEngine
-from panokit.errors import MissingExtraError, StorageError, UsageError
+from panokit.engine import ClusterSettings, SerialEngine
+from panokit.errors import MissingExtraError, NetworkError, StorageError, UsageError
 from panokit.expand.settings import ExpandSettings
 from panokit.ledger import Ledger
 from panokit.pipeline import run_pipeline, runner
@@ -144,12 +144,20 @@ def test_what_would_fail_in_the_end_is_told_before_anything_is_fetched(
     assert len(run_pipeline(asked, console, stop_after="fetch").batches) == 1
 
 
-def test_a_slurm_that_is_not_there_is_told_before_anything_is_fetched(
-    settings, console, monkeypatch
+@pytest.mark.parametrize(
+    ("engine", "kind", "text"),
+    [
+        ("slurm", MissingExtraError, r"panokit\[slurm\]"),
+        ("tcp://127.0.0.1:9", NetworkError, r"no Dask scheduler at .*:9 \(waited 0\.2 s\)"),
+    ],
+)
+def test_workers_that_cannot_be_had_are_told_before_anything_is_fetched(
+    engine, kind, text, settings, console, monkeypatch
 ):
     monkeypatch.setitem(sys.modules, "dask_jobqueue", None)
-    asked = settings.model_copy(update={"engine": "slurm"})
-    with pytest.raises(MissingExtraError, match=r"panokit\[slurm\]"):
+    cluster = ClusterSettings(connect_timeout_s=0.2)
+    asked = settings.model_copy(update={"engine": engine, "cluster": cluster})
+    with pytest.raises(kind, match=text):
         run_pipeline(asked, console)
     assert not asked.folder().exists()
 

@@ -11,6 +11,7 @@ from distributed.security import Security
 
 from panokit.engine.dask.work import Work, kill_worker
 from panokit.engine.protocol import available_cores
+from panokit.engine.reach import no_scheduler
 from panokit.engine.settings import SLURM_JOBS, ClusterSettings
 from panokit.errors import (
     NetworkError,
@@ -216,12 +217,7 @@ def _open_address(address: str, workers: int | None, settings: ClusterSettings) 
             address, security=security, timeout=settings.connect_timeout_s, set_as_default=False
         )
     except (OSError, TimeoutError, ValueError, RuntimeError) as error:
-        hint = " and its certificates" if security else ", or its tls:// address"
-        raise NetworkError(
-            f"There is no Dask scheduler at {address} (waited {settings.connect_timeout_s:g} s). "
-            f"Start one there with `dask scheduler`, or check the address{hint}; --engine local "
-            "needs none."
-        ) from error
+        raise no_scheduler(address, settings.connect_timeout_s) from error
     cluster = Cluster(client, address, settings, wanted=workers)
     try:
         _check_versions(client, address)
