@@ -68,6 +68,18 @@ class Team:
         for gradient, part in zip(gradients, parts, strict=True):
             gradient.copy_(part.view_as(gradient))
 
+    def agreed(self, verdict: bool) -> bool:
+        """The first process's verdict, for all of them.
+
+        What one process finds, such as a validation loss, is not bit by bit what another does;
+        were each to go by its own, one would stop and the others wait for it.
+        """
+        if self.size == 1:
+            return verdict
+        told = torch.tensor([int(verdict)], device=self.device)
+        distributed.broadcast(told, src=0)
+        return bool(told.item())
+
     def wait(self) -> None:
         """Until all have come here."""
         if self.size > 1:

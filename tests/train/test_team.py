@@ -100,6 +100,16 @@ def test_gradients_are_averaged_over_the_team(monkeypatch: pytest.MonkeyPatch):
         assert torch.equal(gradient, 2 * before)
 
 
+@pytest.mark.parametrize("own", [False, True])
+@pytest.mark.parametrize("of_the_first", [0, 1])
+def test_all_go_by_the_first_ones_verdict(own, of_the_first, monkeypatch: pytest.MonkeyPatch):
+    from panokit.train import team as module
+
+    monkeypatch.setattr(module.distributed, "broadcast", lambda x, src: x.fill_(of_the_first))
+    assert module.Team(rank=1, size=2).agreed(own) is bool(of_the_first)
+    assert module.ALONE.agreed(own) is own
+
+
 def test_a_device_that_is_not_there_is_refused(monkeypatch: pytest.MonkeyPatch):
     from panokit.train.team import team_of
 

@@ -85,7 +85,7 @@ def train_lighting(
     loss_of = MapLoss(recipe.loss, recipe.coding.coding)
     for epoch in range(run.step // per_epoch, schedule.epochs + schedule.tail_epochs):
         if epoch >= schedule.epochs:
-            if has_converged(losses):
+            if team.agreed(has_converged(losses)):
                 break
             run.hold(TAIL_RATE * schedule.learning_rate)
         began = time.process_time()
