@@ -4,9 +4,9 @@ import pytest
 
 pytest.importorskip("torch")
 
-from panokit.evaluate.lighting.models import read_facts  # noqa: E402
-from panokit.train.stereo.recipe import LightingRecipe, NormalsRecipe  # noqa: E402
-from panokit.train.stereo.release import FILE, _description  # noqa: E402
+from panokit.evaluate.lighting.models import read_facts
+from panokit.train.stereo.recipe import LightingRecipe, NormalsRecipe
+from panokit.train.stereo.release import FILE, _description
 
 pytestmark = pytest.mark.train
 
