@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.evaluate.lighting.experiments import FINAL
-from panokit.evaluate.lighting.outcome import Outcome
+from panokit.evaluate.lighting.experiments import FINAL, OWN
+from panokit.evaluate.lighting.outcome import Entrant, Outcome
 from panokit.evaluate.lighting.published import (
     ARRAY_PARTS,
     SPHERE_PARTS,
@@ -20,6 +20,11 @@ from panokit.evaluate.lighting.scoring import DOMINANCE
 from panokit.evaluate.lighting.statements import PRIMARY, against
 from panokit.evaluate.lighting.tables import TextTable, figure, signed
 from panokit.metrics.brightest import DOMINANT
+
+_JUDGED = (PRIMARY, "thesis-dssim", "light-vector", "relit-diffuse-rmse")
+_JUDGED_NOTE = (
+    "Better or worse where the 95 % interval of the difference, by places, leaves out zero."
+)
 
 
 def strata(outcome: Outcome) -> TextTable:
@@ -97,29 +102,43 @@ def beside_thesis(outcome: Outcome) -> TextTable:
 
 def beats(outcome: Outcome) -> TextTable:
     """Every trained model against the mean and the random map."""
-    names = (PRIMARY, "thesis-dssim", "light-vector", "relit-diffuse-rmse")
     others = [e for e in (outcome.entrant("mean map"), outcome.entrant("random map")) if e]
     rows = []
     for entrant in outcome.entrants_with(PRIMARY):
         if entrant.is_baseline:
             continue
-        cells = []
-        for other in others:
-            for name in names:
-                found = against(outcome, entrant, other, name)
-                cells.append(
-                    "–" if found is None else f"{found[1]}, {signed(100 * found[0].relative, 0)} %"
-                )
+        cells = [_against(outcome, entrant, other, name) for other in others for name in _JUDGED]
         rows.append((entrant.title, *cells))
     return TextTable(
         id="T-3",
         title="Trained models against the mean map and the random map",
         columns=("model", *(f"{other.name}: {HEADINGS[name]}" for other in others
-                            for name in names)),
+                            for name in _JUDGED)),
         rows=tuple(rows) if others else (),
-        note="Better or worse where the 95 % interval of the difference, by places, leaves out "
-        "zero.",
+        note=_JUDGED_NOTE,
     )  # fmt: skip
+
+
+def own_model(outcome: Outcome) -> TextTable:
+    """The model of this house against every other network."""
+    own = outcome.entrant(OWN)
+    rows = [
+        (other.title, *(_against(outcome, own, other, name) for name in _JUDGED))
+        for other in outcome.entrants_with(PRIMARY)
+        if own is not None and not other.is_baseline and other.name != own.name
+    ]
+    return TextTable(
+        id="T-4",
+        title="panokit against every other network",
+        columns=("panokit against", *(HEADINGS[name] for name in _JUDGED)),
+        rows=tuple(rows),
+        note=_JUDGED_NOTE,
+    )
+
+
+def _against(outcome: Outcome, entrant: Entrant, other: Entrant, name: str) -> str:
+    found = against(outcome, entrant, other, name)
+    return "–" if found is None else f"{found[1]}, {signed(100 * found[0].relative, 0)} %"
 
 
 def published(outcome: Outcome) -> list[TextTable]:

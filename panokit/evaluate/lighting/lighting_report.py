@@ -42,7 +42,7 @@ _TONES: Mapping[str, Tone] = {
 # Heading, figures, tables below them, and tables that are folded.
 _PARTS: tuple[tuple[str, tuple[str, ...], tuple[str, ...], tuple[str, ...]], ...] = (
     ("Verdicts", (), ("V",), ("V-2",)),
-    ("Scores", ("F5.7", "F5.7 log", "F5.7 SSD"), ("T-1", "T-2"), ("T-3", "F5.7")),
+    ("Scores", ("F5.7", "F5.7 log", "F5.7 SSD"), ("T-1", "T-2"), ("T-3", "T-4", "F5.7")),
     ("Training", ("F5.1", "F5.2", "F5.3", "F5.4", "F5.5", "F5.6"), ("F5-ratios",), ("F5-curves",)),
     ("MSE and DSSIM", ("F5.8", "F5.9", "F5.8 sheet", "F5.9 sheet"), (), ("F5.8", "F5.9")),
     ("Where the light is", ("F5.10a", "F5.10b", "F5.10c", "F5.10 sheet"), ("F5.10-strata",),

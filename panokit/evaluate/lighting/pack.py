@@ -79,6 +79,7 @@ def _tables(outcome: Outcome, found: list[Finding]) -> list[TextTable]:
             score_tables.league(outcome),
             comparison_tables.beside_thesis(outcome),
             comparison_tables.beats(outcome),
+            comparison_tables.own_model(outcome),
             score_tables.ablation(outcome),
             score_tables.all_figures(outcome),
             score_tables.percentiles(outcome, "F5.7", "thesis-dssim-log",

@@ -21,8 +21,8 @@ FIGURES = {
     "T-K directedness",
 }  # fmt: skip
 TABLES = {
-    "V", "V-2", "T-1", "T-2", "T-3", "T-A", "T-A2", "T-B", "T-R", "T-K", "F5.8", "F5.9", "F5.10",
-    "F5-curves", "F5-ratios", "F-E", "F-F", "T-G-spheres-compat", "T-G-spheres-fixed",
+    "V", "V-2", "T-1", "T-2", "T-3", "T-4", "T-A", "T-A2", "T-B", "T-R", "T-K", "F5.8", "F5.9",
+    "F5.10", "F5-curves", "F5-ratios", "F-E", "F-F", "T-G-spheres-compat", "T-G-spheres-fixed",
     "T-G-array-compat", "T-G-array-fixed",
 }  # fmt: skip
 
