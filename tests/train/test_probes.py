@@ -35,8 +35,11 @@ def test_a_folder_without_a_manifest_and_one_without_probes_are_refused(tmp_path
     with pytest.raises(StorageError, match=r"manifest\.csv"):
         read_probes(tmp_path)
     manifest = tmp_path / "manifest.csv"
-    manifest.write_text("name,file\nx,y\n", encoding="utf-8")
-    with pytest.raises(RecordError, match="column"):
+    manifest.write_text("name,path\nx,y\n", encoding="utf-8")
+    with pytest.raises(RecordError, match="line 2: there is no `file`"):
+        read_probes(tmp_path)
+    manifest.write_text("name,file\nx,y.exr\n", encoding="utf-8")
+    with pytest.raises(StorageError, match=r"y\.exr"):
         read_probes(tmp_path)
     manifest.write_text("name,file,category,split_group,usable_for,sha256\n", encoding="utf-8")
     with pytest.raises(RecordError, match="no probe"):
