@@ -94,6 +94,12 @@ class MissingExtraError(PanokitError, ImportError):
         )
 
 
+class MissingLibraryError(PanokitError, ImportError):
+    """A library of the system is not installed; the message names the package that brings it."""
+
+    exit_code = 5
+
+
 class ModelError(PanokitError):
     """A released model is missing, or its file is not what its card says."""
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from panokit.errors import MissingExtraError, PanokitError
+from panokit.errors import MissingExtraError, MissingLibraryError, PanokitError
 from panokit.frames import TOOL_FROM_PANOKIT
 from panokit.io.adapters.mitsuba import pad_columns
 from panokit.io.adapters.nodes import rows_from_pole_to_pole
@@ -160,14 +160,14 @@ def differentiable_mitsuba() -> ModuleType:
     """The `mitsuba` module with a variant that traces errors back to parameters.
 
     Raises:
-        MissingExtraError: If Mitsuba is not installed, or has only the scalar variant here, for
-            want of a libLLVM.
+        MissingExtraError: If Mitsuba is not installed.
+        MissingLibraryError: If it has only the scalar variant here, for want of a libLLVM.
     """
     mitsuba = load_mitsuba()
     if "_ad_" not in str(mitsuba.variant()):
-        raise MissingExtraError("libLLVM", "render", "Differentiable rendering") from PanokitError(
-            f"Mitsuba runs here as {mitsuba.variant()}, which has no gradients. Install libLLVM 17 "
-            "or newer (Debian: libllvm19)."
+        raise MissingLibraryError(
+            f"Differentiable rendering needs libLLVM: Mitsuba runs here as {mitsuba.variant()}, which "
+            "has no gradients. Install libLLVM 17 or newer (Debian: apt install libllvm19)."
         )
     return mitsuba
 

@@ -35,10 +35,10 @@ class Told:
 
 
 # Clusters beside everything else once hung the tests: they have a run of their own (test-slow).
-@pytest.fixture(
-    scope="module",
-    params=["serial", "local", pytest.param("dask", marks=pytest.mark.slow)],
-)
+WITH_WORKERS = ["local", pytest.param("dask", marks=pytest.mark.slow)]
+
+
+@pytest.fixture(scope="module", params=["serial", *WITH_WORKERS])
 def shared(request):
     told = Told(request.param)
     yield told
@@ -52,11 +52,8 @@ def told(shared):
     return shared
 
 
-@pytest.fixture
-def several(told):
-    if told.engine.__class__.__name__ == "SerialEngine":
-        pytest.skip("this is about workers of their own")
-    return told
+# Of engines that have processes of their own.
+several = pytest.mark.parametrize("shared", WITH_WORKERS, indirect=True, scope="module")
 
 
 def receipt(item: str) -> Receipt:
@@ -124,10 +121,11 @@ def look_around(path: Path) -> Receipt:
     return Receipt(item=here, stage="test", path=path, key=str(threads))
 
 
-def test_relative_paths_mean_the_same_and_a_worker_has_one_thread(several, tmp_path, monkeypatch):
+@several
+def test_relative_paths_mean_the_same_and_a_worker_has_one_thread(told, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("note").write_text("here")
-    (outcome,) = several.run(look_around, [Path("note")])
+    (outcome,) = told.run(look_around, [Path("note")])
     assert (outcome.item, outcome.key) == ("here", "1")
 
 
@@ -153,7 +151,8 @@ def record(target: Path) -> Receipt:
     return receipt(target.name)
 
 
-def test_workers_killed_at_random_lose_nothing_and_repeat_nothing(several, tmp_path):
+@several
+def test_workers_killed_at_random_lose_nothing_and_repeat_nothing(told, tmp_path):
     chance, killed = random.Random(5), []
 
     def kill(pid):
@@ -161,9 +160,9 @@ def test_workers_killed_at_random_lose_nothing_and_repeat_nothing(several, tmp_p
             killed.append(pid)
             os.kill(pid, signal.SIGKILL)
 
-    several.listen, several.lose = kill, Quarantine()
+    told.listen, told.lose = kill, Quarantine()
     targets = [tmp_path / f"{n}.record" for n in range(12)]
-    outcomes = list(several.run(record, targets))
+    outcomes = list(told.run(record, targets))
     assert len(killed) == 3
     assert sorted(o.item for o in outcomes) == sorted(target.name for target in targets)
     assert all(isinstance(outcome, Receipt) for outcome in outcomes)
@@ -176,9 +175,10 @@ def die_of_one(item: str) -> Receipt:
     return receipt(item)
 
 
-def test_an_item_that_ends_its_worker_every_time_is_left_out(several):
+@several
+def test_an_item_that_ends_its_worker_every_time_is_left_out(told):
     items = ["a", "poison", "b", "c", "d", "e"]
-    outcomes = list(several.run(die_of_one, items))
+    outcomes = list(told.run(die_of_one, items))
     assert sorted(outcome.item for outcome in outcomes) == sorted(items)
     (rejection,) = [o for o in outcomes if isinstance(o, Rejection)]
     assert (rejection.item, rejection.reason) == ("poison", "crashes-worker")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from panokit.errors import MissingExtraError
+from panokit.errors import MissingLibraryError
 from panokit.evaluate.lighting.baselines import AmbientColor
 from panokit.evaluate.rendering import DifferentiableRendering
 from panokit.evaluate.rendering.inverse import _Adam, _folded, _half_gray
@@ -17,7 +17,7 @@ from panokit.sphere import energy, light_vector
 def gradients():
     try:
         differentiable_mitsuba()
-    except MissingExtraError as error:
+    except MissingLibraryError as error:
         pytest.skip(str(error))
 
 
@@ -25,6 +25,7 @@ def off_deg(estimate, truth):
     return float(np.degrees(angle_between(light_vector(estimate), light_vector(truth))))
 
 
+@pytest.mark.tool
 @pytest.mark.render
 @pytest.mark.parametrize("material", ["known", "fitted"])
 def test_the_light_is_found_from_what_the_object_shows(gradients, vase, material):
@@ -38,6 +39,7 @@ def test_the_light_is_found_from_what_the_object_shows(gradients, vase, material
     assert 0.3 < energy(found).sum() / energy(vase.truth).sum() < 3
 
 
+@pytest.mark.tool
 @pytest.mark.render
 def test_the_same_sample_gives_the_same_map(gradients, vase):
     method = DifferentiableRendering("known", width_px=16, rounds=2, samples=4)
@@ -45,6 +47,7 @@ def test_the_same_sample_gives_the_same_map(gradients, vase):
     np.testing.assert_allclose(method.predict(vase), first, rtol=1e-4)
 
 
+@pytest.mark.tool
 @pytest.mark.render
 def test_settings_are_part_of_what_was_scored(gradients):
     one = DifferentiableRendering("known", rounds=3)
@@ -60,9 +63,9 @@ def test_without_gradients_it_is_told_what_to_install(monkeypatch):
             return "scalar_rgb"
 
     monkeypatch.setattr("panokit.renderer.load_mitsuba", Scalar)
-    with pytest.raises(MissingExtraError, match="libLLVM") as told:
+    with pytest.raises(MissingLibraryError, match="libLLVM") as told:
         differentiable_mitsuba()
-    assert "scalar_rgb" in str(told.value.__cause__)
+    assert "scalar_rgb" in str(told.value)
 
 
 def test_the_copies_of_columns_give_their_gradient_to_the_columns():
