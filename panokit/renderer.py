@@ -166,8 +166,8 @@ def differentiable_mitsuba() -> ModuleType:
     mitsuba = load_mitsuba()
     if "_ad_" not in str(mitsuba.variant()):
         raise MissingLibraryError(
-            f"Differentiable rendering needs libLLVM: Mitsuba runs here as {mitsuba.variant()}, which "
-            "has no gradients. Install libLLVM 17 or newer (Debian: apt install libllvm19)."
+            f"Differentiable rendering needs libLLVM: Mitsuba runs here as {mitsuba.variant()}, "
+            "which has no gradients. Install libLLVM 17 or newer (Debian: libllvm19)."
         )
     return mitsuba
 

@@ -13,8 +13,8 @@ from panokit.panorama import Panorama
 from panokit.sphere import equirect_directions
 
 # A test that needs the shared data may be skipped where there is none, and one that needs the
-# file rights of an ordinary user where root runs it, and one that asks a program or a library of the
-# system that pip does not install; nothing else may be.
+# file rights of an ordinary user where root runs it, and one that asks a program or a library of
+# the system that pip does not install; nothing else may be.
 _MAY_SKIP = {"unprivileged", "tool"}
 
 
