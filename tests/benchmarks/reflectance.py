@@ -77,23 +77,15 @@ def search(picture: NDArray[np.float32], normals: NDArray[np.float32]) -> Found:
     return color, hits
 
 
-def cpu_seconds(work: Callable[[], Any], runs: int) -> tuple[float, Any]:
-    """The least CPU time of some runs, and what came out."""
+def least_seconds(
+    work: Callable[[], Any], runs: int, clock: Callable[[], float] = time.process_time
+) -> tuple[float, Any]:
+    """The least time of some runs, of the processor if not said otherwise, and what came out."""
     seconds = []
     for _ in range(runs):
-        start = time.process_time()
+        start = clock()
         found = work()
-        seconds.append(time.process_time() - start)
-    return min(seconds), found
-
-
-def clock_seconds(work: Callable[[], Any], runs: int) -> tuple[float, Any]:
-    """The least time by the clock of some runs, and what came out."""
-    seconds = []
-    for _ in range(runs):
-        start = time.perf_counter()
-        found = work()
-        seconds.append(time.perf_counter() - start)
+        seconds.append(clock() - start)
     return min(seconds), found
 
 
@@ -139,25 +131,29 @@ def main() -> None:
     share = chosen.batch / len(few[0])
     by_reference([one[:1] for one in made])  # tables are made with the first call
     seconds, found = {}, {}
-    seconds["search over the picture"], found["picture"] = cpu_seconds(
+    seconds["search over the picture"], found["picture"] = least_seconds(
         lambda: [search(p.reshape(-1, 3), n.reshape(-1, 3)) for p, n, _ in zip(*few, strict=True)],
         1,
     )
-    seconds["search over the object"], found["object"] = cpu_seconds(
+    seconds["search over the object"], found["object"] = least_seconds(
         lambda: [search(p[m], n[m]) for p, n, m in zip(*few, strict=True)], 1
     )
     seconds = {name: value * share for name, value in seconds.items()}
-    seconds["numpy reference"], found["numpy"] = cpu_seconds(
+    seconds["numpy reference"], found["numpy"] = least_seconds(
         lambda: by_reference(made), chosen.runs
     )
-    seconds["torch operator"], found["torch"] = cpu_seconds(lambda: by_torch(made), chosen.runs)
+    seconds["torch operator"], found["torch"] = least_seconds(lambda: by_torch(made), chosen.runs)
     torch.set_num_threads(chosen.threads)
     name = f"torch operator, {chosen.threads} threads, by the clock"
-    seconds[name], found["threads"] = clock_seconds(lambda: by_torch(made), chosen.runs)
+    seconds[name], found["threads"] = least_seconds(
+        lambda: by_torch(made), chosen.runs, time.perf_counter
+    )
     if torch.cuda.is_available():
         name = "torch operator, CUDA, by the clock"
         by_torch(made, "cuda")
-        seconds[name], found["cuda"] = clock_seconds(lambda: by_torch(made, "cuda"), chosen.runs)
+        seconds[name], found["cuda"] = least_seconds(
+            lambda: by_torch(made, "cuda"), chosen.runs, time.perf_counter
+        )
     load = os.getloadavg()[0]
     print(f"{platform.processor() or platform.machine()}, {os.cpu_count()} CPUs, load {load:.1f}")
     print(f"{chosen.batch} pictures of {chosen.width}x{chosen.width}, objects on "
