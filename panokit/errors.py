@@ -9,6 +9,7 @@
     |   +-- RecordError           3   a record that is missing or damaged
     +-- StorageError              4   a folder or disk that cannot be read or written
     +-- MissingExtraError         5   an optional package is not installed
+    +-- MissingLibraryError       5   a library of the system is not installed
     +-- ModelError                6   a released model is missing or not what its card says
     +-- NetworkError              7   the network or a server, after all retries
     |   +-- AuthError             8   a key that is missing or refused
