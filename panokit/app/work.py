@@ -15,6 +15,7 @@ from multiprocessing import get_context
 from typing import Any, ParamSpec, TypeVar
 
 from panokit.app.desks import TAB_FOLDERS
+from panokit.engine.interrupts import interrupts_held_back, leave_interrupts_to_driver
 from panokit.errors import ItemError, PanokitError
 
 P = ParamSpec("P")
@@ -46,10 +47,16 @@ class Work:
         """
         if self._pool is None:
             # Spawned, not forked: the loop, its threads and ONNX Runtime do not survive a fork.
-            self._pool = ProcessPoolExecutor(self._processes, mp_context=get_context("spawn"))
+            self._pool = ProcessPoolExecutor(
+                self._processes,
+                mp_context=get_context("spawn"),
+                initializer=leave_interrupts_to_driver,
+            )
         pool, call = self._pool, partial(_carried, function, *arguments, **named)
         try:
-            outcome = await asyncio.get_running_loop().run_in_executor(pool, call)
+            with interrupts_held_back():  # the worker is started here
+                outcome_to_be = asyncio.get_running_loop().run_in_executor(pool, call)
+            outcome = await outcome_to_be
         except BrokenProcessPool as error:
             if self._pool is pool:
                 self._pool = None

@@ -12,6 +12,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from typing import Any, Literal
 
+from panokit.engine.interrupts import interrupts_held_back
 from panokit.engine.losses import Loss, OnLoss, Quarantine
 from panokit.engine.protocol import Item, Listener, Outcome, available_cores
 from panokit.engine.worker import kill_group, serve
@@ -161,7 +162,8 @@ class _Worker:
         context = get_context("spawn")
         self.pipe, theirs = context.Pipe()
         self._process = context.Process(target=serve, args=(theirs, task), daemon=True)
-        self._process.start()
+        with interrupts_held_back():
+            self._process.start()
         theirs.close()  # so that the pipe ends when the process does
         self.item: Any = None
         self.last_report: Any = None

@@ -17,6 +17,7 @@ from multiprocessing import parent_process
 from multiprocessing.connection import Connection
 from typing import Any
 
+from panokit.engine.interrupts import leave_interrupts_to_driver
 from panokit.engine.protocol import reports_to
 from panokit.errors import PanokitError
 
@@ -52,7 +53,7 @@ def serve(pipe: "Connection[Any, Any]", task: Callable[[Any], Any]) -> None:
 
 def _prepare() -> None:
     """Compute with one thread, leave Ctrl-C to the driver, and end when it does."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    leave_interrupts_to_driver()
     if hasattr(os, "setpgrp"):
         # Whatever a task starts (Blender) ends together with it: see `kill_group`.
         os.setpgrp()

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from panokit.color import luminance
 from panokit.color.camera import Camera, photograph
 from panokit.color.luminance import weighted_percentile
+from panokit.engine.interrupts import interrupts_held_back, leave_interrupts_to_driver
 from panokit.expand.component_features import COMPONENT_FEATURES, component_features
 from panokit.expand.components import (
     MOST_COMPONENTS,
@@ -138,8 +139,10 @@ def make_examples(
     if processes == 1:
         parts = [work(index) for index in range(len(sources))]
     else:
-        with ProcessPoolExecutor(processes) as pool:
-            parts = list(pool.map(work, range(len(sources))))
+        with ProcessPoolExecutor(processes, initializer=leave_interrupts_to_driver) as pool:
+            with interrupts_held_back():  # the workers are started here
+                coming = pool.map(work, range(len(sources)))
+            parts = list(coming)
     synthetic = sum(len(p["probe"]) for p, s in zip(parts, sources, strict=True)
                     if s.kind == "synthetic")  # fmt: skip
     captured = sum(len(part["probe"]) for part in parts) - synthetic
