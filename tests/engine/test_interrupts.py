@@ -10,7 +10,7 @@ import pytest
 _DRIVER = """
 import sys, time
 from pathlib import Path
-from panokit.engine import LocalEngine
+from panokit.engine import make_engine
 from panokit.records import Receipt
 if __name__ == "__mp_main__":
     Path(sys.argv[1], "starting").touch()
@@ -19,17 +19,17 @@ def work(item):
     return Receipt(item=item, stage="test", path=Path(item), key=item)
 if __name__ == "__main__":
     try:
-        list(LocalEngine(2).run(work, ["a", "b", "c"]))
+        list(make_engine(sys.argv[2], 2).run(work, ["a", "b", "c"]))
     except KeyboardInterrupt:
         sys.exit("interrupted")
 """
 
 
-def interrupt_while_starting(tmp_path, driver: str) -> tuple[int, str]:
+def interrupt_while_starting(tmp_path, driver: str, *arguments: str) -> tuple[int, str]:
     script = tmp_path / "driver.py"
     script.write_text(driver)
     process = subprocess.Popen(
-        [sys.executable, script, tmp_path], stderr=subprocess.PIPE, text=True,
+        [sys.executable, script, tmp_path, *arguments], stderr=subprocess.PIPE, text=True,
         start_new_session=True,
         # A shell starts background jobs deaf to SIGINT, and what they start inherits it.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509
@@ -43,8 +43,9 @@ def interrupt_while_starting(tmp_path, driver: str) -> tuple[int, str]:
 
 
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals cannot be held back")
-def test_workers_that_still_start_leave_an_interrupt_to_the_driver(tmp_path):
-    assert interrupt_while_starting(tmp_path, _DRIVER) == (1, "interrupted\n")
+@pytest.mark.parametrize("engine", ["local", "dask"])
+def test_workers_that_still_start_leave_an_interrupt_to_the_driver(tmp_path, engine):
+    assert interrupt_while_starting(tmp_path, _DRIVER, engine) == (1, "interrupted\n")
 
 
 # The application's worker waits for work when the interrupt comes.

@@ -10,6 +10,7 @@ from distributed import Client, LocalCluster
 from distributed.security import Security
 
 from panokit.engine.dask.work import Work, kill_worker
+from panokit.engine.interrupts import interrupts_held_back
 from panokit.engine.protocol import available_cores
 from panokit.engine.reach import no_scheduler
 from panokit.engine.settings import SLURM_JOBS, ClusterSettings
@@ -187,16 +188,17 @@ def lost_scheduler(address: str) -> NetworkError:
 def _open_local(workers: int, settings: ClusterSettings) -> Cluster:
     memory = settings.memory_gb
     try:
-        pool = LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address="127.0.0.1:0",  # else a web server for all the network
-            memory_limit="auto" if memory is None else int(memory * 1e9),
-            silence_logs=logging.CRITICAL,
-            security=_security(settings),
-            resources=settings.worker_resources or None,
-        )
+        with interrupts_held_back():  # for good in what it starts, and in what that starts
+            pool = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address="127.0.0.1:0",  # else a web server for all the network
+                memory_limit="auto" if memory is None else int(memory * 1e9),
+                silence_logs=logging.CRITICAL,
+                security=_security(settings),
+                resources=settings.worker_resources or None,
+            )
     except (OSError, TimeoutError, RuntimeError) as error:
         raise NetworkError(
             f"The workers did not start ({error}). In a script of your own, run this below "
