@@ -65,6 +65,12 @@ class LightingModel:
             UsageError: If the model needs normals and the views have none.
         """
         warnings = list(view_warnings(views))
+        width_px = views.mask.shape[1]
+        if width_px < self.network.input_px:
+            warnings.append(
+                f"The views are {width_px} pixels wide and were enlarged to the "
+                f"{self.network.input_px} that the model reads; take larger pictures."
+            )
         confidence = None
         if self.settings.confidence:
             radiance, mirrored = read_twice(self.network, views)

@@ -40,6 +40,7 @@ class LightNetwork:
     Attributes:
         spec: The table [lighting] of its model.toml.
         kind: "stereo", "dematerial", "dense-reflectance" or "picture-reflectance".
+        input_px: Width of the pictures that it reads; views of another size are resampled.
 
     Raises:
         ModelError: If the folder holds no such model.
@@ -54,7 +55,7 @@ class LightNetwork:
             self.spec: Mapping[str, Any] = card["lighting"]
             path = self.folder / str(card["files"]["lighting"]["name"])
             self.kind = str(self.spec["kind"])
-            self._size, self._views = int(self.spec["input_px"]), str(self.spec["views"])
+            self.input_px, self._views = int(self.spec["input_px"]), str(self.spec["views"])
             self._materials = int(self.spec.get("materials", 1))
         except (OSError, tomllib.TOMLDecodeError, KeyError, ValueError, TypeError) as error:
             raise ModelError(
@@ -134,15 +135,15 @@ class LightNetwork:
         return {name: make[name]() for name in self.session.inputs}
 
     def _picture(self, picture: NDArray[np.uint8]) -> NDArray[np.float32]:
-        small = smaller_picture(picture, self._size)
+        small = smaller_picture(picture, self.input_px)
         return np.ascontiguousarray(small.transpose(2, 0, 1)[None] / np.float32(255))
 
     def _maps(self, views: Views, noise: NormalNoise | None) -> NDArray[np.float32]:
         """Sparse reflectance maps by normals and materials, as in training."""
-        picture = smaller_picture(views.left_object, self._size) / np.float32(255)
-        size = (self._size, self._size)
+        picture = smaller_picture(views.left_object, self.input_px) / np.float32(255)
+        size = (self.input_px, self.input_px)
         parts = np.asarray(cv2.resize(views.parts, size, interpolation=cv2.INTER_NEAREST))
-        normals = smaller_normals(views.normals, self._size)
+        normals = smaller_normals(views.normals, self.input_px)
         seen = (parts > 0) & (np.abs(normals).sum(axis=-1) > 0)
         if (parts > 0).any() and not seen.any():
             raise UsageError(

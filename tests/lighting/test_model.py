@@ -75,6 +75,12 @@ def test_what_to_mind_comes_with_the_estimate(tmp_path):
     assert any("sideways" in text for text in model.estimate(box_views(0)).warnings)
 
 
+@pytest.mark.parametrize(("size", "told"), [(56, True), (64, False), (72, False)])
+def test_views_that_are_enlarged_are_told_of(tmp_path, size, told):
+    found = LightingModel(write_model(tmp_path / "sum")).estimate(box_views(size=size))
+    assert any("enlarged to the 64" in text for text in found.warnings) is told
+
+
 def test_other_models_are_refused(tmp_path):
     with pytest.raises(ModelError, match="not for lighting"):
         LightingModel(write_model(tmp_path / "a", task="expand"))

@@ -76,6 +76,7 @@ def evaluate(
     console = console or Console(quiet=True)
     models, judged = _predictors(named, console)
     samples = Samples(data, split, settings.count)
+    _tell_of_enlarging(models, samples[0].views.mask.shape[1], console)
     description = describe_dataset(data, split)
     write_json(out / DATASET, description)
     write_history(out, models)
@@ -110,6 +111,15 @@ def _predictors(
                 raise
             console.note(f"{facts.name} is left out: {error}")
     return models, judged
+
+
+def _tell_of_enlarging(models: Sequence[ModelFacts], width_px: int, console: Console) -> None:
+    for facts in models:
+        if facts.input_px > width_px:
+            console.note(
+                f"{facts.name} reads {facts.input_px} pixels and the pictures have {width_px}: they "
+                "are enlarged, and its figures are of blurred pictures."
+            )
 
 
 def _training_maps(data: Path, most: int, console: Console) -> TrainingMaps:

@@ -31,6 +31,10 @@ def _maps(title: str, thesis: str = "3.2") -> Experiment:
     return Experiment(title=title, group="reflectance map", thesis=thesis)
 
 
+def _augmented(title: str, thesis: str = "") -> Experiment:
+    return Experiment(title=title, group="augmented", thesis=thesis)
+
+
 def _reflectance(title: str) -> Experiment:
     return Experiment(title=title, group="reflectance", thesis="3.1")
 
@@ -57,15 +61,12 @@ EXPERIMENTS: Mapping[str, Experiment] = MappingProxyType(
         "dematerial-noise-20": _maps("Dematerial, normals off by 20°"),
         "dematerial-noise-30": _maps("Dematerial, normals off by 30°"),
         "dematerial-3": _maps("Dematerial, three materials"),
-        "augmented-reference": Experiment(
-            title="reference probes alone", group="augmented", thesis="STR-5"
-        ),
-        "augmented-expanded": Experiment(
-            title="with expanded panoramas", group="augmented", thesis="STR-5"
-        ),
-        "augmented-linearized": Experiment(
-            title="with linearized panoramas", group="augmented", thesis="STR-5"
-        ),
+        "augmented-reference": _augmented("reference probes alone", "STR-5"),
+        "augmented-expanded": _augmented("with expanded panoramas", "STR-5"),
+        "augmented-linearized": _augmented("with linearized panoramas", "STR-5"),
+        "augmented-reference-panokit": _augmented("panokit, reference probes alone"),
+        "augmented-expanded-panokit": _augmented("panokit, with expanded panoramas"),
+        "augmented-linearized-panokit": _augmented("panokit, with linearized panoramas"),
         "dense-reflectance": _reflectance("sparse to dense, true normals"),
         "dense-reflectance-noise-10": _reflectance("sparse to dense, off by 10°"),
         "dense-reflectance-noise-20": _reflectance("sparse to dense, off by 20°"),

@@ -1,12 +1,15 @@
 """A whole evaluation of a small dataset: files, resume, what is refused; speed and size."""
 
 import json
+from contextlib import suppress
 
 import numpy as np
 import pytest
 
+from panokit.console import Console
 from panokit.dataset import ProductionSettings, render_dataset
-from panokit.errors import ModelError, RecordError
+from panokit.dataset.storage.read import StereoDataset
+from panokit.errors import ModelError, PanokitError, RecordError
 from panokit.evaluate.lighting.evaluation import evaluate, read_lines
 from panokit.evaluate.lighting.kept import Kept
 from panokit.evaluate.lighting.models import read_facts
@@ -109,6 +112,18 @@ def test_one_broken_model_of_many_is_left_out(model, data, tmp_path):
     assert [facts.name for facts in found.models] == ["sum"]
     with pytest.raises(ModelError, match=r"no .*lighting.onnx"):
         run(broken, data, tmp_path / "out")
+
+
+@pytest.mark.train
+@pytest.mark.parametrize("more_px", [0, 1])
+def test_pictures_that_are_enlarged_are_told_of(model, data, tmp_path, capsys, more_px):
+    width_px = StereoDataset(data, "test", members=("left.png",))[0]["left"].shape[1]
+    card = (model / "model.toml").read_text()
+    there = f"input_px = {read_facts(model).input_px}"
+    (model / "model.toml").write_text(card.replace(there, f"input_px = {width_px + more_px}"))
+    with suppress(PanokitError):  # the network itself wants what it wants
+        run(model, data, tmp_path / "out", with_baselines=False, console=Console())
+    assert ("are enlarged" in capsys.readouterr().err) is bool(more_px)
 
 
 def test_a_damaged_record_says_what_to_do(tmp_path):
