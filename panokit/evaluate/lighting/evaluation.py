@@ -117,8 +117,8 @@ def _tell_of_enlarging(models: Sequence[ModelFacts], width_px: int, console: Con
     for facts in models:
         if facts.input_px > width_px:
             console.note(
-                f"{facts.name} reads {facts.input_px} pixels and the pictures have {width_px}: they "
-                "are enlarged, and its figures are of blurred pictures."
+                f"{facts.name} reads {facts.input_px} pixels and the pictures have {width_px}: "
+                "they are enlarged, and its figures are of blurred pictures."
             )
 
 

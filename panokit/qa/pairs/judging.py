@@ -108,11 +108,7 @@ def match_truths(items: Sequence[QaItem], folder: Path) -> Matches:
     if not files:
         raise UsageError(f"There are no .exr or .hdr maps in {folder} to compare with.")
     rows = manifest_rows(folder)
-    by_manifest = {
-        row["name"]: path
-        for path in files.values()
-        if (row := rows.get(path.name)) is not None and row.get("name")
-    }
+    by_manifest = {rows[path.name].name: path for path in files.values() if path.name in rows}
     called = {name for item in items for name in _names(item)}
     named = {path for known in (files, by_manifest) for n, path in known.items() if n in called}
     by_capture = _by_capture([path for path in files.values() if path not in named])

@@ -1,6 +1,5 @@
 """The maps of a set, with what is known of them besides their pixels."""
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,11 +8,11 @@ from panokit.capture import Capture
 from panokit.errors import RecordError, UsageError
 from panokit.io import read_json
 from panokit.io.pictures import record_path
+from panokit.io.probe_manifest import NAME as MANIFEST
+from panokit.io.probe_manifest import ManifestRow, read_manifest
 from panokit.qa.items import find_maps
 from panokit.qa.sets.places import CLUSTER_M, near_on_the_ground
 from panokit.qa.sets.resampling import TwoSets, two_sets
-
-_MANIFEST = "manifest.csv"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,8 +37,8 @@ class Member:
 def members_of(folder: Path) -> list[Member]:
     """Every map of a folder, with the category and group that its manifest.csv gives, if any.
 
-    The manifest may have columns `name` or `file`, `category`, `split_group` and `usable_for`;
-    maps that it calls usable for anything but training are left out.
+    For the manifest see `panokit.io.probe_manifest`; maps that it calls usable for anything but
+    training are left out.
 
     Raises:
         UsageError: If there is no map to take.
@@ -49,16 +48,16 @@ def members_of(folder: Path) -> list[Member]:
     rows = manifest_rows(folder)
     found = []
     for name, path in find_maps(folder).items():
-        row = rows.get(path.name) or rows.get(name) or {}
-        if (row.get("usable_for") or "training") != "training":
+        row = rows.get(path.name)
+        if row is not None and row.usable_for != "training":
             continue
         found.append(
             Member(
-                name=row.get("name") or name,
+                name=name if row is None else row.name,
                 path=path,
                 capture=_capture_beside(path),
-                category=(row.get("category") or "").split("+")[0],
-                group=row.get("split_group") or "",
+                category="" if row is None else row.category,
+                group="" if row is None else row.group,
             )
         )
     if not found:
@@ -92,21 +91,16 @@ def groups_of(augmented: Sequence[Member], reference: Sequence[Member]) -> TwoSe
     return two_sets(names[: len(augmented)], names[len(augmented) :])
 
 
-def manifest_rows(folder: Path) -> dict[str, dict[str, str]]:
-    """The rows of a folder's manifest.csv by name and by file; empty if there is none.
+def manifest_rows(folder: Path) -> dict[str, ManifestRow]:
+    """The rows of a folder's manifest.csv by the file's name; empty if there is none.
 
     Raises:
         RecordError: If it is damaged.
+        StorageError: If it cannot be read.
     """
-    path = folder / _MANIFEST
-    if not path.is_file():
+    if not (folder / MANIFEST).is_file():
         return {}
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise RecordError(f"{path} cannot be read ({error}).", reason="bad-manifest") from error
-    return {row[key]: row for key in ("name", "file") for row in rows if row.get(key)}
+    return {row.path.name: row for row in read_manifest(folder)}
 
 
 def _capture_beside(path: Path) -> Capture | None:
