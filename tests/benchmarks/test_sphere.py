@@ -75,6 +75,8 @@ def test_rotating_a_map(benchmark, sunny):
 def test_irradiance_for_every_normal(benchmark, sunny):
     benchmark.pedantic(irradiance_map, (sunny, 64), rounds=3)
     benchmark.extra_info["cpu_s"] = round(cpu_seconds(lambda: irradiance_map(sunny, 64)), 3)
+    usual = resize_radiance(sunny, 1024)
+    benchmark.extra_info["cpu_s_of_1024"] = round(cpu_seconds(lambda: irradiance_map(usual)), 3)
 
 
 def _error(radiance, reference):
