@@ -121,7 +121,7 @@ def brightest_pixels(
     best = np.full(grid.size, -1, np.int64)
     hits = np.zeros(grid.size, np.int64)
     count = grid.size - grid.last
-    for shift, home, place, _ in _within_gate(own[order], grid):
+    for shift, home, place, _ in _within_gate(own.take(order, axis=0), grid):
         # Of what is written to one place, the last stays: the brightest.
         brightest = np.full(count, -1, np.int64)
         brightest[home] = place
@@ -150,19 +150,20 @@ class _Grid:
     Attributes:
         width: Cells in a row of the map.
         wide: Cells in a row, margins included.
-        x, y, z: (size,), the normals; zero where there is none, which no normal is near to.
-        shifts: From a pixel's own cell, less the margin, to each cell within its reach.
-        last: The largest of the shifts.
+        across: (wide,), the normals' x by column, and -y by row.
+        z: (size,), the normals' z; NaN where there is no normal, which is near to none.
+        reach: For each row within reach of a pixel's own, less the margin: itself, and the columns
+            of the cells there, less the margin.
+        last: The largest step from a pixel's own cell, less the margin, to one within its reach.
         cells: (W * W,), where the map's cells are.
         least: The cosine at the edge of the gate.
     """
 
     width: int
     wide: int
-    x: NDArray[np.float32]
-    y: NDArray[np.float32]
+    across: NDArray[np.float32]
     z: NDArray[np.float32]
-    shifts: tuple[int, ...]
+    reach: tuple[tuple[int, tuple[int, ...]], ...]
     last: int
     cells: NDArray[np.int64]
     least: np.float32
@@ -170,24 +171,27 @@ class _Grid:
     @property
     def size(self) -> int:
         """How many cells there are, margins included."""
-        return len(self.x)
+        return len(self.z)
 
 
 @lru_cache(maxsize=8)
 def _grid_of(width_px: int, gate_deg: float) -> _Grid:
-    grid, inside = hemisphere_normals(width_px)
-    reach = reach_in_cells(gate_deg, width_px)
-    margin = max(abs(row) for row, _ in reach)
+    normals, inside = hemisphere_normals(width_px)
+    offsets = reach_in_cells(gate_deg, width_px)
+    margin = max(abs(row) for row, _ in offsets)
     wide = width_px + 2 * margin
-    padded = np.zeros((3, wide, wide), np.float32)
     middle = slice(margin, margin + width_px)
-    padded[:, middle, middle][:, inside] = grid[inside].T
-    x, y, z = padded.reshape(3, -1)
-    shifts = tuple((margin + row) * wide + margin + column for row, column in reach)
+    z = np.full((wide, wide), np.nan, np.float32)
+    z[middle, middle][inside] = normals[inside][:, 2]
+    across = ((np.arange(wide) - margin + 0.5) * 2 / width_px - 1).astype(np.float32)
+    reach = tuple(
+        (margin + row, tuple(margin + column for other, column in offsets if other == row))
+        for row in range(-margin, margin + 1)
+    )
     cells = np.arange(wide * wide).reshape(wide, wide)[middle, middle].reshape(-1)
-    least = np.float32(np.cos(np.deg2rad(gate_deg)))
-    return _Grid(width=width_px, wide=wide, x=x, y=y, z=z, shifts=shifts, last=max(shifts),
-                 cells=cells, least=least)  # fmt: skip
+    return _Grid(width=width_px, wide=wide, across=across, z=z.reshape(-1), reach=reach,
+                 last=max(row * wide + column for row, columns in reach for column in columns),
+                 cells=cells, least=np.float32(np.cos(np.deg2rad(gate_deg))))  # fmt: skip
 
 
 def _within_gate(
@@ -202,17 +206,21 @@ def _within_gate(
     column = np.clip(((x + 1) * half).astype(np.int64), 0, grid.width - 1)
     row = np.clip(((1 - y) * half).astype(np.int64), 0, grid.width - 1)
     home = row * grid.wide + column
+    # A cell's x is that of its column and its y that of its row: few products for many cells.
+    columns = sorted({column for _, columns in grid.reach for column in columns})
+    by_x = {right: grid.across[right:][column] * x for right in columns}
     cosine, part = np.empty_like(x), np.empty_like(x)
-    for shift in grid.shifts:
-        # In this order, as the torch twin does: its sums are rounded alike.
-        np.take(grid.x[shift:], home, out=cosine, mode="clip")
-        cosine *= x
-        for of_cell, of_pixel in ((grid.y, y), (grid.z, z)):
-            np.take(of_cell[shift:], home, out=part, mode="clip")
-            part *= of_pixel
+    for down, columns_there in grid.reach:
+        by_y = -grid.across[down:][row] * y
+        for right in columns_there:
+            shift = down * grid.wide + right
+            # In this order, as the torch twin does: its sums are rounded alike.
+            np.add(by_x[right], by_y, out=cosine)
+            np.take(grid.z[shift:], home, out=part, mode="clip")
+            part *= z
             cosine += part
-        near = np.flatnonzero(cosine > grid.least)
-        yield shift, home[near], near, cosine
+            near = np.flatnonzero(cosine > grid.least)
+            yield shift, home.take(near, mode="clip"), near, cosine
 
 
 def _pairs(
