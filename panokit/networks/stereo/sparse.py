@@ -42,7 +42,7 @@ def sparse_reflectance(
         int64.
     """
     pixel = masks.flatten().nonzero().squeeze(1)
-    sample = pixel // masks[0].numel()
+    sample = pixel // (masks.shape[1] * masks.shape[2])
     # Pixel after pixel, whatever the batch's own order is: rows are taken faster than numbers.
     own, colors = (
         one.permute(0, 2, 3, 1).reshape(-1, 3).index_select(0, pixel)
