@@ -233,7 +233,9 @@ class Outcome:
         own = values[chosen]
         places = np.asarray(np.unique(self.places[chosen], return_inverse=True)[1], np.int64)
         low, high = place_interval(own, places)
-        means = [float(np.nanmean(self.values(one, figure)[chosen])) for one in entrant.members]
+        members = [self.values(one, figure)[chosen] for one in entrant.members]
+        # One seed may find no light in any sample where another does.
+        means = [float(np.nanmean(one)) for one in members if np.isfinite(one).any()]
         return Spread(
             n=len(own),
             mean=float(own.mean()),

@@ -1,5 +1,7 @@
 """What is said of the thesis's statements, from results whose truth is known."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -108,3 +110,19 @@ def test_scores_of_an_entrant_are_means_over_seeds(outcome):
     spread = outcome.spread(entrant, "code-ssd")
     assert spread.low < spread.mean < spread.high
     assert spread.seeds[0] <= spread.mean <= spread.seeds[1]
+
+
+def test_a_seed_that_has_no_value_of_a_figure_is_not_counted(tmp_path):
+    folder = make_up(tmp_path, samples=12)
+    path = folder / "results.jsonl"
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    blind = Outcome(folder).entrant("panokit").members[1]
+    for line in lines:
+        if line["predictor"] == blind:
+            line["scores"].pop("peak", None)
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    outcome = Outcome(folder)
+    spread = outcome.spread(outcome.entrant("panokit"), "peak")
+    others = [one for one in outcome.entrant("panokit").members if one != blind]
+    means = [float(outcome.values(one, "peak").mean()) for one in others]
+    assert spread.seeds == (min(means), max(means))
