@@ -53,9 +53,7 @@ EXPERIMENTS: Mapping[str, Experiment] = MappingProxyType(
         "pyramid-multi-scale": _stereo("pyramid, multi-scale", "STR-8"),
         "epipolar": _stereo("epipolar similarity"),
         "panokit": Experiment(title="panokit", group="panokit"),
-        "panokit-no-window": Experiment(
-            title="panokit, background not in its place", group="panokit"
-        ),
+        "panokit-no-window": Experiment(title="panokit, background elsewhere", group="panokit"),
         "dematerial": _maps("Dematerial, true normals"),
         "dematerial-noise-10": _maps("Dematerial, normals off by 10°"),
         "dematerial-noise-20": _maps("Dematerial, normals off by 20°"),
